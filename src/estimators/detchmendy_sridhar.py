@@ -16,12 +16,13 @@ from fricmodels.filtering import FilterProblem, ProblemOnline, transition
 from fricmodels.filtering.bounds import bounded, normalised_bounds
 from fricmodels.filtering.covariance import symbolic_covariance, symbolic_pack, symbolic_prediction
 from fricmodels.filtering.normalisation import NormalisedSpace, normalised_space
-from fricmodels.filtering.preparation import REST_WIDTH, Hold, paper_scales, peak_speed, scanned_guess
+from fricmodels.filtering.preparation import REST_WIDTH, paper_scales, peak_speed, scanned_guess
 from fricmodels.filtering.problem import diverged, initial_states, unidentified
 from fricmodels.filtering.stored_problem import checked_state, problem_of
 from fricmodels.filtering.substeps import stable_substeps
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording
+from fricmodels.simulation import Between
 
 
 def detchmendy_sridhar_step(space: NormalisedSpace, drive: Drive) -> Any:
@@ -98,7 +99,7 @@ class DetchmendySridharSettings(EstimatorSettings):
     )
     average: float = Field(0.5, ge=0, lt=1, description="last part of the record over which estimates are averaged")
     substeps: int | None = Field(None, ge=1, description="steps between samples; by stability where not given")
-    torque: Hold = Field("linear", description="motor torque between samples: linear, or held")
+    torque: Between = Field("linear", description="motor torque between samples: linear, or held")
     bounds: bool = Field(True, description="keep parameters within their physical bounds")
 
 

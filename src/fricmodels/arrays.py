@@ -26,3 +26,8 @@ def widened(mask: Mask, reach: int) -> Mask:
         near[:-step] |= before[step:]
         done += step
     return near
+
+
+def deviations(covariance: Array) -> Array:
+    """Return the standard deviations of a covariance; zero where rounding makes a variance negative."""
+    return np.asarray(np.sqrt(np.clip(np.diag(covariance), 0.0, None)))

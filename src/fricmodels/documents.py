@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, TypeVar, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, Field, ValidationError
 
 from fricmodels.errors import InputError, suggestion
 from fricmodels.yaml_file import Document as Document
@@ -13,6 +13,10 @@ from fricmodels.yaml_file import Place
 from fricmodels.yaml_file import read_yaml as read_yaml
 
 M = TypeVar("M", bound=BaseModel)
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 
 def validate(document: Document, model: type[M]) -> M:

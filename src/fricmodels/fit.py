@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, deviations
 from fricmodels.display import Displayed
 from fricmodels.results.history import Course, ParameterHistory
 
@@ -65,7 +65,7 @@ class Fit(Displayed):
     @property
     def standard_errors(self) -> dict[str, float]:
         """Standard error of each estimated parameter that has one."""
-        spread = np.sqrt(np.clip(np.diag(self.covariance), 0.0, None))
+        spread = deviations(self.covariance)
         return {
             key: float(value) for key, value in zip(self.estimated, spread, strict=True) if key not in self.no_interval
         }

@@ -25,7 +25,6 @@ from fricmodels.errors import FricmodelsError
 from fricmodels.recording import Recording
 
 _LEVEL = 0.95
-_SIDE = 1.959963984540054
 
 
 def about(
@@ -43,6 +42,7 @@ def about(
         for each of these the reason.
     """
     from fricmodels.weakform.estimate import estimate
+    from fricmodels.weakform.inference import NORMAL_95
     from fricmodels.weakform.prepared import prepared
 
     nothing = np.full((len(keys), len(keys)), np.nan)
@@ -65,7 +65,7 @@ def about(
     square = np.outer(distance, distance)
     square += np.diag(spread**2) if reference.covariance is None else reference.covariance[np.ix_(rows, rows)]
     width = np.array([half_width(d, s) for d, s in zip(distance, spread, strict=True)])
-    scale = width / _SIDE / np.sqrt(np.diag(square))
+    scale = width / NORMAL_95 / np.sqrt(np.diag(square))
     places = np.array([list(keys).index(key) for key in known], dtype=np.int64)
     nothing[np.ix_(places, places)] = square * np.outer(scale, scale)
     return nothing, reasons

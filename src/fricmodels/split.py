@@ -110,7 +110,7 @@ def part_of(recording: Recording, mask: Mask) -> Recording:
 
 
 def _spread(recording: Recording, how: Split) -> Mask:
-    numbers = np.unique(recording.run)
+    numbers = recording.run_numbers
     if len(numbers) < _ENOUGH_RUNS:
         return _blocks(recording, how)
     return np.asarray(np.isin(recording.run, numbers[_spread_over(len(numbers), how.fraction)]))
@@ -123,7 +123,7 @@ def _spread_over(count: int, fraction: float) -> Index:
 
 
 def _runs(recording: Recording, how: Split) -> Mask:
-    numbers = np.unique(recording.run)
+    numbers = recording.run_numbers
     if how.test_runs is None:
         if len(numbers) < 2:
             raise InputError(

@@ -9,11 +9,11 @@ import numpy as np
 
 from fricmodels.arrays import Array, Index
 from fricmodels.diagnosis.history import MotionHistory
-from fricmodels.diagnosis.places import ALONG, Place
+from fricmodels.diagnosis.places import Place
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.sought_functions import frequencies_tried, frequency, in_time, jump, stretch, tents
 from fricmodels.recording import OTHER, RATE
-from fricmodels.results.words import LINE
+from fricmodels.results.words import ALONG, LINE
 from fricmodels.signals import noise
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression

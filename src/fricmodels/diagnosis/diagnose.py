@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, TypeGuard
+from typing import TypeGuard
 
 from fricmodels.diagnosis.at_bounds import beyond_bounds
 from fricmodels.diagnosis.by_fit import (
@@ -41,6 +41,7 @@ from fricmodels.plugins import load
 from fricmodels.processes import give_back
 from fricmodels.progress import Cancelled, Token, Watcher, stage, watched
 from fricmodels.recording import Recording, check_recording
+from fricmodels.results.diagnosis import Verdict
 from fricmodels.split import Split
 from fricmodels.weakform.lines import averaged_from
 from fricmodels.weakform.problem import WeakFormProblem
@@ -48,8 +49,6 @@ from fricmodels.weakform.remembered import INTEGRALS
 
 _AS_SHORT = 1.01
 """Factor within which a duration is the shortest one that is sought."""
-
-Verdict = Literal["adequate", "missing-effect", "undecided", "unknown-effect"]
 
 
 @dataclass(frozen=True)

@@ -29,12 +29,12 @@ import numpy as np
 from fricmodels.arrays import Array, Index, Mask
 from fricmodels.diagnosis.candidate_tests import CandidateTests
 from fricmodels.diagnosis.policy import Policy
+from fricmodels.results.words import ALONG
 from fricmodels.weakform.acting import acting
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.rates import relative_intervals
 from fricmodels.weakform.regression import LEAST_P, Regression
 
-ALONG = "along the motion"
 _BINS = 32
 """Bins of equally many rows over a channel."""
 _LEAST_PASSES = 2

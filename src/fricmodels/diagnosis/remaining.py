@@ -12,14 +12,14 @@ from fricmodels.diagnosis.basis_functions import STRETCH, STRETCH_ALONG
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.contradiction import contradiction
-from fricmodels.diagnosis.places import ALONG, Place
+from fricmodels.diagnosis.places import Place
 from fricmodels.diagnosis.predictability import ChannelPredictor
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.sought_functions import ends_of_stretch
 from fricmodels.diagnosis.where import in_words
 from fricmodels.dimension import DISPLACEMENT, FORCE, Motion
 from fricmodels.recording import Recording
-from fricmodels.results.words import END_STOP
+from fricmodels.results.words import ALONG, END_STOP
 from fricmodels.signals import resting
 from fricmodels.weakform.regression import to_order_by
 

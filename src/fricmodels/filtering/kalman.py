@@ -20,7 +20,6 @@ from fricmodels.filtering.covariance import symbolic_covariance, symbolic_pack, 
 from fricmodels.filtering.normalisation import NormalisedSpace, normalised_space
 from fricmodels.filtering.preparation import (
     REST_WIDTH,
-    Hold,
     dominant_frequency,
     paper_scales,
     peak_speed,
@@ -32,6 +31,7 @@ from fricmodels.filtering.substeps import stable_substeps
 from fricmodels.filtering.transition import transition
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording
+from fricmodels.simulation import Between
 
 _FARTHEST = 3.0
 """How many initial standard deviations a parameter may move from its start."""
@@ -58,7 +58,7 @@ class KalmanSettings(EstimatorSettings):
     drift: float = Field(0.0, ge=0, description="random walk of each parameter in a cycle, over its initial deviation")
     initial_inertia_deviation: float = Field(0.3, gt=0, description="relative, where the inertia is estimated")
     substeps: int | None = Field(None, ge=1, description="steps between samples; by stability where not given")
-    torque: Hold = Field("linear", description="motor torque between samples: linear, or held")
+    torque: Between = Field("linear", description="motor torque between samples: linear, or held")
 
 
 class KalmanEstimator(Estimator):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from typing import Literal
 
 import numpy as np
 
@@ -14,8 +13,7 @@ from fricmodels.dimension import Dimension, Scales
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
 from fricmodels.recording import Recording
-
-Hold = Literal["linear", "held"]
+from fricmodels.simulation import Between
 
 REST_WIDTH = 1e-3
 """Width of rest, as a fraction of the peak speed: limits the slope of |ω|^p to what a step can follow."""
@@ -200,7 +198,7 @@ def bounded_least_squares(
     return np.asarray(np.clip(found, lower, upper))
 
 
-def mid_step(drive_inputs: Sequence[str], run: Recording, substeps: int, hold: Hold) -> tuple[Array, Array]:
+def mid_step(drive_inputs: Sequence[str], run: Recording, substeps: int, hold: Between) -> tuple[Array, Array]:
     """Return the durations, shape (N − 1,), and the inputs in the middle of every sub-step, (substeps (N − 1), m).
 
     Inputs run linearly between samples; a ``held`` motor torque keeps the value of the sample before.

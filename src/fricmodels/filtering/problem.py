@@ -22,10 +22,11 @@ from fricmodels.estimator import Solution
 from fricmodels.filtering.bounds import normalised_bounds, projected
 from fricmodels.filtering.covariance import pack, unpack
 from fricmodels.filtering.normalisation import NormalisedSpace
-from fricmodels.filtering.preparation import Hold, mid_step
+from fricmodels.filtering.preparation import mid_step
 from fricmodels.fit import Status
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording
+from fricmodels.simulation import Between
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -103,7 +104,7 @@ class FilterProblem:
     initial_parameters: Array
     initial_covariance: Array
     substeps: int
-    hold: Hold
+    hold: Between
 
     @property
     def constants(self) -> Array:
@@ -200,7 +201,7 @@ class FilterProblem:
         outputs = np.full((len(recording), 2 * n + 2), np.nan)
         diverged = None
         scaled = recording.scaled(self.scales)
-        for number in np.unique(recording.run):
+        for number in recording.run_numbers:
             where = np.flatnonzero(recording.run == number)
             run = scaled.select(where)
             memory = self.restarted(memory, float(run.velocity[0]))

@@ -176,7 +176,7 @@ def summary(recording: Recording, inertia: float | None = None) -> Summary:
         name=recording.name,
         motion=str(recording.motion),
         samples=len(recording),
-        runs=len(np.unique(recording.run)),
+        runs=len(recording.run_numbers),
         channels={
             name: Channel(
                 log.unit(name),

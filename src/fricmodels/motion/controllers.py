@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, TypeAlias, get_args
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, field_validator, model_validator
 
+from fricmodels.documents import NotNegative, Positive
 from fricmodels.errors import InputError, suggestion
 from fricmodels.expressions import Expression
 from fricmodels.loop import Loop
@@ -15,8 +16,6 @@ from fricmodels.parameter import Parameter, State
 from fricmodels.recording import OTHER
 from fricmodels.term import Parameters, Signals
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Number = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Kind: TypeAlias = Literal["position-gain", "pd", "speed-loop"]
 _KINDS: tuple[str, ...] = get_args(Kind)
 
@@ -64,7 +63,7 @@ class Controller(BaseModel):
     reference_velocity: str | None = None
     gain: Positive
     scale: str | None = None
-    derivative: Number = 0.0
+    derivative: NotNegative = 0.0
     speed_gain: Positive | None = None
     integral_time: Positive | None = None
     limit: Positive | None = None

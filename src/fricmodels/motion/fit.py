@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, deviations
 from fricmodels.dimension import Dimension
 from fricmodels.errors import EstimationError
 from fricmodels.motion.errors import MotionErrors, motion_errors
@@ -51,7 +51,7 @@ class MotionFit:
     @property
     def standard_errors(self) -> dict[str, float]:
         """Standard error of each parameter."""
-        spread = np.sqrt(np.clip(np.diag(self.covariance), 0.0, None))
+        spread = deviations(self.covariance)
         return dict(zip(self.estimated, spread.tolist(), strict=True))
 
 

@@ -75,7 +75,7 @@ class Simulator:
             initial_samples = max(SAMPLES, 2 * recording.derived_over + 1)
         self._windows, first = list[_Window](), list[int]()
         self._scan = stepping(drive, loop) if compiled else Interpreted(phase_of_step(drive, loop))
-        for number in np.unique(recording.run):
+        for number in recording.run_numbers:
             index = np.flatnonzero(recording.run == number)
             run = recording.select(index)
             if len(run) < 2 or not np.all(np.diff(run.time) > 0):
@@ -110,7 +110,7 @@ class Simulator:
     def _rows_of(self, recording: Recording) -> list[Array]:
         """Return what drives each window, and what a step of it needs beside its state."""
         rows = []
-        for number in np.unique(recording.run):
+        for number in recording.run_numbers:
             index = np.flatnonzero(recording.run == number)
             own = stepping_rows(self.drive, recording.select(index), self.between_samples, 1, self.loop)
             for window in self._windows:

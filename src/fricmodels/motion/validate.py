@@ -39,7 +39,7 @@ def folds(recording: Recording, parts: int = PARTS) -> list[Fold]:
     Args:
         recording: prepared. parts: how many; fewer where a piece would have less than 20 samples.
     """
-    numbers = np.unique(recording.run)
+    numbers = recording.run_numbers
     label = np.zeros(len(recording), dtype=np.int64)
     if len(numbers) >= parts:
         label = np.searchsorted(numbers, recording.run) * parts // len(numbers)

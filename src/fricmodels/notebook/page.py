@@ -84,7 +84,7 @@ def _story(result: object) -> Story:
 
 @_story.register
 def _(recording: Recording) -> Story:
-    runs = len(np.unique(recording.run))
+    runs = len(recording.run_numbers)
     duration = sum(float(np.ptp(part.time)) for part in recording.runs())
     rate = f", sampled every {1000 * recording.interval:.4g} ms" if np.isfinite(recording.interval) else ""
     said = (

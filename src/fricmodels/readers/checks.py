@@ -87,7 +87,7 @@ def _check_time(recording: Recording, source: str, place: Callable[[int], str]) 
         )
     counts = np.bincount(np.unique(recording.run, return_inverse=True)[1])
     if (counts < 2).any():
-        number = np.unique(recording.run)[int(np.argmin(counts))]
+        number = recording.run_numbers[int(np.argmin(counts))]
         row = int(np.flatnonzero(recording.run == number)[0])
         raise InputError(f"{source}: {place(row)}: the run {number} has one sample only; remove it")
 

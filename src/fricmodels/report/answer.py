@@ -7,7 +7,7 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from fricmodels import plugins
 from fricmodels.diagnosis.policy import POLICY
@@ -21,10 +21,10 @@ from fricmodels.report.wording import counted, listed, listed_classes, percent, 
 from fricmodels.results.words import END_STOP, LINE, SAMPLING, figures, form, predictor
 
 if TYPE_CHECKING:
+    from fricmodels.report.page import Tone
     from fricmodels.results.comparison import ComparisonDocument
     from fricmodels.results.diagnosis import DiagnosisDocument, Effect, Nearest, Remaining, Shift
 
-Tone = Literal["good", "warn", "bad", "plain"]
 
 _WORTH_A_TRY = 0.5
 """Share that an effect must explain of the squared test error above noise to be worth a try; no name hangs on it. On

@@ -14,8 +14,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from fricmodels.arrays import Array
-
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+from fricmodels.documents import Positive
 
 
 @dataclass(frozen=True)

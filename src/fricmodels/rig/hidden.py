@@ -14,8 +14,6 @@ from fricmodels.dimension import Motion
 
 Waves = list[tuple[float, float, float, float]]
 """Periodic torques: kind, wave number k, amplitude, phase."""
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
 Fraction = Annotated[float, Field(gt=-1, lt=1)]
 
 EXCITATIONS = ("sine", "multisine", "tracking", "trapezoid", "stair", "ramp")

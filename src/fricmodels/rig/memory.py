@@ -9,12 +9,11 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field
 
+from fricmodels.documents import Finite, Positive
 from fricmodels.rig.hidden import (
     CLOSED_LOOP,
     Drawn,
-    Finite,
     HiddenEffect,
-    Positive,
     Share,
     Waves,
     either_sign,

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from fricmodels.arrays import Array
 from fricmodels.dimension import Motion
+from fricmodels.documents import NotNegative, Positive
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
 from fricmodels.rig.effects import AnyEffect
@@ -18,8 +19,6 @@ from fricmodels.rig.hidden import Waves
 from fricmodels.rig.memory import SensorDelay
 from fricmodels.rig.sensors import History, Sensors, instants, noisy, quantised
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Pair = tuple[NotNegative, NotNegative]
 _MOST_HARMONICS = 16
 _MOST_STEPS = 1000

@@ -9,8 +9,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from fricmodels.arrays import Array
-
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+from fricmodels.documents import NotNegative
 
 
 class Sensors(BaseModel):

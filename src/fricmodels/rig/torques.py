@@ -10,14 +10,13 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from fricmodels.dimension import Motion
+from fricmodels.documents import Finite, Positive
 from fricmodels.rig.hidden import (
     BROAD,
     CLOSED_LOOP,
     Drawn,
-    Finite,
     Fraction,
     HiddenEffect,
-    Positive,
     Share,
     Waves,
     either_sign,

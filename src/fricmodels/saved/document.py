@@ -8,10 +8,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from fricmodels.dimension import Motion
+from fricmodels.documents import Finite
 
 SCHEMA = "fricmodels/model/1"
-
-Number = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class _Part(BaseModel):
@@ -46,10 +45,10 @@ class StoredParameter(_Part):
         at_bound: ``lower`` or ``upper`` where the value is a bound, ``at least KEY`` where another parameter is it.
     """
 
-    value: Number
+    value: Finite
     unit: str
     meaning: str = ""
-    standard_error: Number | None = None
+    standard_error: Finite | None = None
     given: bool = False
     identified: bool = True
     reason: str = ""
@@ -60,7 +59,7 @@ class StoredCovariance(_Part):
     """Covariance of the estimated parameters: rows and columns in the order of ``keys``, products of their units."""
 
     keys: tuple[str, ...]
-    values: tuple[tuple[Number, ...], ...]
+    values: tuple[tuple[Finite, ...], ...]
 
     @model_validator(mode="after")
     def _square(self) -> Self:
@@ -73,8 +72,8 @@ class StoredCovariance(_Part):
 class StoredRange(_Part):
     """What the recording covered of a channel: outside of it, the model is a guess."""
 
-    least: Number
-    greatest: Number
+    least: Finite
+    greatest: Finite
     unit: str
 
 
@@ -87,12 +86,12 @@ class StoredError(_Part):
         window_ms: the window; of the error per sample, the sampling interval.
     """
 
-    window_ms: Number
-    percent: Number
-    SI: Number
-    test_percent: Number | None = None
-    test_SI: Number | None = None
-    noise_floor_percent: Number | None = None
+    window_ms: Finite
+    percent: Finite
+    SI: Finite
+    test_percent: Finite | None = None
+    test_SI: Finite | None = None
+    noise_floor_percent: Finite | None = None
 
 
 class StoredProvenance(_Part):
@@ -114,7 +113,7 @@ class StoredProvenance(_Part):
     reader: str | None = None
     samples_fitted: int = 0
     samples_kept_back: int = 0
-    interval: Number | None = None
+    interval: Finite | None = None
     estimator: str = "weak form"
     message: str = ""
     findings: tuple[str, ...] = ()

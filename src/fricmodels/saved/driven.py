@@ -86,7 +86,7 @@ def write_recording(recording: Recording, out: Path) -> Path:
         raise InputError(f"cannot write '{out}': the name must end in .csv or .parquet")
     names = STANDARD[recording.motion]
     table = pd.DataFrame({names.get(name, name): values for name, values in recording.channels.items()})
-    if len(np.unique(recording.run)) > 1:
+    if len(recording.run_numbers) > 1:
         table["run"] = recording.run
     with replaced(out) as beside:
         save = table.to_csv if out.suffix == ".csv" else table.to_parquet

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,7 +25,10 @@ from fricmodels.saved.signals import Given, given
 from fricmodels.saved.states import Along, Moving, along, begun, moved
 from fricmodels.saved.words import described
 
-AtRest: TypeAlias = Literal["none", "reference", "smooth"]
+if TYPE_CHECKING:
+    from fricmodels.simulation import Between
+    from fricmodels.tracking.compensator import AtRest
+
 _TINY = 1e-9
 """Speed at which the two limits of the torque at rest are taken, in widths of rest; as a sticking drive is judged."""
 
@@ -298,7 +301,7 @@ class FittedModel:
         *,
         time: ArrayLike | None = None,
         interval: float | None = None,
-        between_samples: Literal["linear", "held"] = "linear",
+        between_samples: Between = "linear",
         **given: Any,
     ) -> Recording:
         """Return the motion of the drive under a motor torque, open loop, with stick and slip.

@@ -15,8 +15,10 @@ PEAKS = 12
 """Most wave numbers that are returned."""
 LEAST_PERIODS = 1.0
 """A period is told from slower shapes once the positions cover it."""
-_MOST_BINS = 2**15
-_PADDING = 4
+MOST_BINS = 2**15
+"""Bins of the positions."""
+PADDING = 4
+"""Times as many as the positions fill, so that the spectrum is fine."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ def wave_numbers(position: Array, weights: Array, fastest: float, least: float =
     slowest = max(LEAST_PERIODS * 2 * np.pi / span, least) if span > 0 else np.inf
     if not fastest > slowest:
         return WaveNumbers((), np.pi / span if span > 0 else 1.0, 1.0)
-    k, lines = spectrum(position - low, weights, span, min(_MOST_BINS, binned(fastest, span)))
+    k, lines = spectrum(position - low, weights, span, min(MOST_BINS, binned(fastest, span)))
     power = np.abs(lines) ** 2
     inside = (k >= slowest) & (k <= fastest)
     peaks = np.flatnonzero(inside[1:-1] & (power[1:-1] >= power[:-2]) & (power[1:-1] >= power[2:])) + 1
@@ -77,5 +79,5 @@ def spectrum(position: Array, weights: Array, span: float, bins: int) -> tuple[A
     """
     place = np.minimum((position / span * bins).astype(np.int64), bins - 1)
     summed = np.bincount(place, weights=weights, minlength=bins)
-    lines = np.fft.rfft(summed, _PADDING * bins)
-    return np.asarray(2 * np.pi / (span * _PADDING) * np.arange(len(lines)), dtype=float), lines
+    lines = np.fft.rfft(summed, PADDING * bins)
+    return np.asarray(2 * np.pi / (span * PADDING) * np.arange(len(lines)), dtype=float), lines

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, deviations
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.results.words import stretches_of_motion
@@ -67,7 +67,7 @@ def solved(sums: Sums, inertia: float | None = None) -> Estimate:
     free = (np.full(count, -np.inf), np.full(count, np.inf))
     reasons = not_identified(drive, values, covariance, found.normal.null[:count], free)
     parameters = dict(zip(drive.keys, values.tolist(), strict=True))
-    errors = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
+    errors = deviations(covariance)
     return Estimate(
         {**parameters, drive.inertia_key: inertia if inertia is not None else parameters[drive.inertia_key]},
         dict(zip(drive.keys, errors.tolist(), strict=True)),

@@ -7,13 +7,13 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt, ValidationError
 
-from fricmodels.arrays import Array
-from fricmodels.documents import first_problem
+from fricmodels.arrays import Array, deviations
+from fricmodels.documents import Finite, first_problem
 from fricmodels.errors import InputError
 from fricmodels.files import write_text
 from fricmodels.sums.plan import Plan
@@ -25,8 +25,6 @@ SUFFIX = ".sums.json"
 _ROUNDING = 1e-9
 """Share of the sizes by which sums that are added in another order, and written in 17 digits, may differ."""
 _LONGEST = 50_000_000
-
-Number = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class _Part(BaseModel):
@@ -48,12 +46,12 @@ class SumsDocument(_Part):
     schema_: Literal["fricmodels/sums/1"] = Field("fricmodels/sums/1", alias="schema")
     plan: Plan
     columns: tuple[str, ...]
-    stretches: dict[int, tuple[Number, ...]]
-    apart: dict[int, tuple[Number, ...]]
+    stretches: dict[int, tuple[Finite, ...]]
+    apart: dict[int, tuple[Finite, ...]]
     rows: NonNegativeInt
     samples: NonNegativeInt
     files: dict[str, str]
-    range: dict[str, tuple[Number, Number]]
+    range: dict[str, tuple[Finite, Finite]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,7 +217,7 @@ def _squares(source: Path, given: Mapping[int, tuple[float, ...]], empty: Array)
             raise InputError(f"{source}: part {number} has {len(values)} sums; there are {PARTS} of {len(upper[0])}")
         parts[number][upper] = values
         parts[number].T[upper] = values
-        size = np.sqrt(np.clip(np.diag(parts[number]), 0.0, None))
+        size = deviations(parts[number])
         with np.errstate(all="ignore"):  # what is not finite is refused
             scaled = np.divide(parts[number], np.outer(size, size) + (parts[number] == 0.0))
         if not (np.all(np.isfinite(scaled)) and np.linalg.eigvalsh(scaled)[0] > -_ROUNDING * len(size)):

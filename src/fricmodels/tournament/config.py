@@ -11,7 +11,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 
 from fricmodels import plugins
 from fricmodels.dimension import Motion
-from fricmodels.documents import Document, read_yaml, validate
+from fricmodels.documents import Document, NotNegative, Positive, read_yaml, validate
 from fricmodels.errors import InputError
 from fricmodels.gaps import Gaps
 from fricmodels.motion.controllers import AnyController
@@ -82,19 +82,17 @@ def _counted(value: Any) -> Any:
 
 
 _SOME = Field(min_length=1)
-_Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-_Percentage = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 _Seed = Annotated[int, Field(ge=0)]
 # Where one value may be written for a list, the JSON Schema says so: `json_schema_input_type`.
 Texts = Annotated[list[str], BeforeValidator(_listed, json_schema_input_type=str | Annotated[list[str], _SOME]), _SOME]
 Positives = Annotated[
-    list[_Positive],
-    BeforeValidator(_listed, json_schema_input_type=_Positive | Annotated[list[_Positive], _SOME]),
+    list[Positive],
+    BeforeValidator(_listed, json_schema_input_type=Positive | Annotated[list[Positive], _SOME]),
     _SOME,
 ]
 Percentages = Annotated[
-    list[_Percentage],
-    BeforeValidator(_listed, json_schema_input_type=_Percentage | Annotated[list[_Percentage], _SOME]),
+    list[NotNegative],
+    BeforeValidator(_listed, json_schema_input_type=NotNegative | Annotated[list[NotNegative], _SOME]),
     _SOME,
 ]
 Seeds = Annotated[

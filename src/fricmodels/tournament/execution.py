@@ -12,11 +12,10 @@ from typing import Any
 from fricmodels import plugins
 from fricmodels.errors import InputError
 from fricmodels.fit import Status
-from fricmodels.tournament.cluster import ADDRESS, on_cluster
+from fricmodels.tournament.cluster import ADDRESS, Results, on_cluster
 from fricmodels.tournament.jobs import Group, Job, Row, execute
 from fricmodels.tournament.listed import Jobs
 
-Results = Iterator[tuple[Job, Row]]
 EXECUTORS = ("local", "dask", "serial")
 _UNGUARDED = (
     "the processes of the tournament cannot start; in a script, which each of them imports, put run(…) under "

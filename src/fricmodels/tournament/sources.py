@@ -385,7 +385,7 @@ def _read(files: list[str], values: Mapping[str, Any], name: str) -> Recording:
     wanted = values["runs"]
     if wanted is None:
         return recording
-    names = {str(number): int(number) for number in np.unique(recording.run)}
+    names = {str(number): int(number) for number in recording.run_numbers}
     names.update({str(name): int(number) for number, name in recording.provenance.get("runs", {}).items()})
     for name_of_run in wanted:
         if name_of_run not in names:

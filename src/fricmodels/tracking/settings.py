@@ -8,12 +8,10 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from fricmodels.dimension import Motion
-from fricmodels.documents import first_problem
+from fricmodels.documents import NotNegative, Positive, first_problem
 from fricmodels.errors import InputError
 from fricmodels.rig.closed_loop import Control
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 _LATE = 0.25
 """Angle [rad] by which all delays together may turn the phase at the bandwidth: a margin of about 45° is left."""
 _FILTER = 10.0

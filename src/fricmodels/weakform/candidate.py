@@ -12,11 +12,10 @@ from fricmodels.dimension import DIMENSIONLESS, DISPLACEMENT, FORCE, INERTIA
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect
+from fricmodels.weakform.optimise import Point
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.ranges import scan_size, within_motion
 from fricmodels.weakform.regression import Regression
-
-Point = tuple[float, ...]
 
 _FARTHEST = 5.0
 """How far beyond the largest and the smallest that is tried first a parameter may go."""

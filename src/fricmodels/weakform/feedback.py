@@ -18,7 +18,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, deviations
 from fricmodels.weakform.solve import Solved
 
 _SEEN = 1e-12
@@ -58,7 +58,7 @@ def _axes(covariance: Array, rounding: float = 0.0) -> tuple[Array, Array]:
         rounding: share of its largest eigenvalue to which it is true. Along what is known better than that by so much
             an axis points anywhere.
     """
-    spread = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
+    spread = deviations(covariance)
     size = np.where(spread > 0.0, spread, 1.0)
     value, vector = np.linalg.eigh(covariance / np.outer(size, size))
     seen = value > max(_SEEN, rounding) * max(float(value[-1]), 1e-300)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, deviations
 from fricmodels.drive import Drive, DriveParameter
 from fricmodels.recording import Recording
 from fricmodels.results.words import COMBINED, CONTAINS_ZERO, HELD
@@ -129,7 +129,7 @@ def not_identified(
         searched: least and greatest value that the data can tell apart, infinite for linear parameters.
     """
     keys = drive.keys
-    spread = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
+    spread = deviations(covariance)
     contains_zero = np.abs(values) <= NORMAL_95 * spread
     for pair in _pairs(drive):
         contains_zero[pair] = np.all(contains_zero[pair])
@@ -221,7 +221,7 @@ def to_hold(
         doubtful: keys among which to choose.
         noisy: how much of what each multiplies is noise; the noisiest is held first.
     """
-    spread = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
+    spread = deviations(covariance)
     choices: list[tuple[float, float, str, float]] = []
     for i, p in enumerate(drive.parameters):
         if p.key not in doubtful or p.key == drive.inertia_key or spread[i] == 0.0:

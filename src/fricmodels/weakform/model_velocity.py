@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, deviations
 from fricmodels.recording import Recording
 from fricmodels.signals import velocity_noise
 from fricmodels.signals.lanczos import even_weights
@@ -151,7 +151,7 @@ def _rounds(
 
 def _is_little(change: Array, found: Solved) -> bool:
     """Whether no parameter changed by more than a tenth of its standard error."""
-    spread = np.sqrt(np.clip(np.diag(found.covariance), 0.0, None))
+    spread = deviations(found.covariance)
     return bool(np.all(np.abs(change) <= 0.1 * spread))
 
 

@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fricmodels.arrays import Index, Mask
+from fricmodels.arrays import Index, Mask, deviations
 from fricmodels.weakform.solve import Solved, solve
 
 _LEAST = 0.5
@@ -72,7 +72,7 @@ def _disagree(found: Solved, other: Solved) -> bool:
     from scipy.special import chdtrc
 
     apart, spread = found.values - other.values, other.covariance
-    size = np.sqrt(np.clip(np.diag(spread), 0.0, None))
+    size = deviations(spread)
     free = size > 0.0
     if not free.any():
         return False

@@ -17,8 +17,8 @@ from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
 from fricmodels.signals.order_spectrum import WaveNumbers, wave_numbers
 from fricmodels.term import Effect
-from fricmodels.weakform.candidate import Candidate, NonlinearOptimum, Point
-from fricmodels.weakform.optimise import ROUNDS, coordinate_search, halved, multistart_nelder_mead, refine
+from fricmodels.weakform.candidate import Candidate, NonlinearOptimum
+from fricmodels.weakform.optimise import ROUNDS, Point, coordinate_search, halved, multistart_nelder_mead, refine
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.ranges import between_strokes, scan_size, scan_values
 from fricmodels.weakform.rates import relative_intervals

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from fricmodels.arrays import Array, Index
+from fricmodels.arrays import Array, Index, deviations
 from fricmodels.weakform.acting import acting
 from fricmodels.weakform.equations import projection
 from fricmodels.weakform.inference import NORMAL_95, at_least, covariance, covariance_once
@@ -312,7 +312,7 @@ class Solved:
     @property
     def standard_errors(self) -> dict[str, float]:
         """Standard error of each estimated parameter."""
-        spread = np.sqrt(np.clip(np.diag(self.covariance), 0.0, None))
+        spread = deviations(self.covariance)
         return dict(zip(self.problem.drive.keys, spread.tolist(), strict=True))
 
     @property

@@ -14,13 +14,12 @@ from fricmodels.dimension import Motion
 from fricmodels.report.figures.downsample import extremes
 from fricmodels.report.figures.samples import Samples
 from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, label, logarithmic, stroke, styled
+from fricmodels.signals.order_spectrum import MOST_BINS, PADDING
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
 
 
-_MOST_BINS = 2**15
-_PADDING = 4
 _LEAST_PERIODS = 1.5
 _CHANCE = 0.01
 _LEAST_NEIGHBOURS = 8
@@ -69,11 +68,11 @@ class Spectrum:
             return np.zeros(0)
         octave = np.log2(self.order)
         centres = np.arange(octave[0], octave[-1] + 0.25, 0.25)
-        at, least = np.searchsorted(octave, centres), _LEAST_NEIGHBOURS * _PADDING
+        at, least = np.searchsorted(octave, centres), _LEAST_NEIGHBOURS * PADDING
         starts = np.maximum(np.minimum(np.searchsorted(octave, centres - 0.5), at - least), 0)
         stops = np.maximum(np.searchsorted(octave, centres + 0.5, side="right"), at + least)
         medians = np.array([np.median(self.amplitude[a:b]) for a, b in zip(starts, stops, strict=True)])
-        independent = max(2.0, len(self.order) / _PADDING)
+        independent = max(2.0, len(self.order) / PADDING)
         factor = np.sqrt(np.log(independent / _CHANCE) / np.log(2.0))
         return np.asarray(factor * np.interp(octave, centres, medians))
 
@@ -98,15 +97,15 @@ def spectrum(place: Array, values: Array, finest: float) -> Spectrum:
         finest: greatest number of periods per unit of place.
     """
     low, span = float(place.min()), float(np.ptp(place))
-    bins = int(min(_MOST_BINS, max(64, 2 ** np.ceil(np.log2(4 * finest * span)))))
+    bins = int(min(MOST_BINS, max(64, 2 ** np.ceil(np.log2(4 * finest * span)))))
     index = np.minimum(((place - low) / span * bins).astype(np.int64), bins - 1)
     count = np.bincount(index, minlength=bins)
     visited = count > 0
     mean = np.bincount(index, weights=values, minlength=bins)[visited] / count[visited]
     profile = np.zeros(bins)
     profile[visited] = mean - mean.mean()
-    amplitude = 2 / np.count_nonzero(visited) * np.abs(np.fft.rfft(profile, _PADDING * bins))
-    order = np.arange(len(amplitude)) / (_PADDING * span)
+    amplitude = 2 / np.count_nonzero(visited) * np.abs(np.fft.rfft(profile, PADDING * bins))
+    order = np.arange(len(amplitude)) / (PADDING * span)
     inside = (order >= _LEAST_PERIODS / span) & (order <= min(finest, bins / (4 * span)))
     return Spectrum(order[inside], amplitude[inside], span)
 
