@@ -31,3 +31,8 @@ def widened(mask: Mask, reach: int) -> Mask:
 def deviations(covariance: Array) -> Array:
     """Return the standard deviations of a covariance; zero where rounding makes a variance negative."""
     return np.asarray(np.sqrt(np.clip(np.diag(covariance), 0.0, None)))
+
+
+def rms(values: Array) -> float:
+    """Return the root of the mean square."""
+    return float(np.sqrt(np.mean(np.square(values))))

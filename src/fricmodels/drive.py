@@ -76,6 +76,11 @@ class Drive:
         return tuple(listed)
 
     @property
+    def units(self) -> dict[str, str]:
+        """Unit of each parameter by key."""
+        return {p.key: p.declared.unit_for(self.motion) for p in self.parameters}
+
+    @property
     def model_parameters(self) -> tuple[DriveParameter, ...]:
         """The model's parameters, without the inertia."""
         return self.parameters if self.inertia is not None else self.parameters[1:]

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.arrays import Array, Index
+from fricmodels.arrays import Array, Index, rms
 from fricmodels.dimension import (
     ACCELERATION,
     DIMENSIONLESS,
@@ -168,7 +168,7 @@ class Recording(Displayed):
     @cached_property
     def rms_torque(self) -> float:
         """RMS motor torque [N m or N], in percent of which errors are told; where it is 0, :attr:`reference_torque`."""
-        return float(np.sqrt(np.mean(self.torque**2))) or self.reference_torque
+        return rms(self.torque) or self.reference_torque
 
     @property
     def load_torque(self) -> Array:

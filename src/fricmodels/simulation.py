@@ -22,7 +22,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fricmodels.arrays import Array, Mask
+from fricmodels.arrays import Array, Mask, rms
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.kernels import Scan
@@ -146,7 +146,7 @@ def measure(velocity: Array, *, noise: float = 0.0, quantisation: float = 0.0, h
     """
     if noise < 0 or quantisation < 0 or hold < 1:
         raise InputError("noise and quantisation must not be negative, and hold at least 1")
-    deviation = noise / 100 * float(np.sqrt(np.mean(velocity**2)))
+    deviation = noise / 100 * rms(velocity)
     measured = velocity + deviation * np.random.default_rng(seed).standard_normal(len(velocity))
     if quantisation > 0:
         measured = quantisation * np.round(measured / quantisation)

@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 
 import fricmodels
+from fricmodels.arrays import rms
 from fricmodels.errors import InputError
 from fricmodels.export.targets import TARGETS, export_model
 from fricmodels.export.targets.nearest import COULOMB_VISCOUS, MUJOCO, nearest
-from fricmodels.export.targets.validity import motion_over, rms
+from fricmodels.export.targets.validity import motion_over
 from fricmodels.recording import Recording
 
 ROBOT = """<mujoco>

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from fricmodels.arrays import Array, Index, Mask
+from fricmodels.arrays import Array, Index, Mask, rms
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
@@ -284,4 +284,4 @@ def simulation_fit(
     spread = covariance(derivative, residual, normal.inverse, float(len(residual)))
     note = message if succeeded else "; ".join(filter(None, [message, f"IPOPT: {reason}"]))
     outcome = Outcome(found, spread, normal.null, succeeded, note)
-    return SimulationFit(outcome, len(chosen), float(np.sqrt(np.mean(residual**2))))
+    return SimulationFit(outcome, len(chosen), rms(residual))

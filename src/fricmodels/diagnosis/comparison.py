@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fricmodels.arrays import rms
 from fricmodels.diagnosis.candidate_tests import not_yet
 from fricmodels.diagnosis.journal import estimated
 from fricmodels.diagnosis.where import Regime, where
@@ -214,7 +215,7 @@ def _sliding(drive: Drive, values: Mapping[str, float], train: Recording, test: 
 
     def error(part: Recording) -> float:
         left = filtered_torque_error(drive, values, part, half_width)
-        return percent(float(np.sqrt(np.mean(left**2))), part)
+        return percent(rms(left), part)
 
     def noise(part: Recording) -> float:
         return percent(float(np.hypot(*noise_torques(part, inertia, half_width))), part)

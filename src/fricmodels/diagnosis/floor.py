@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fricmodels.arrays import rms
 from fricmodels.diagnosis.comparison import Comparison, noise_torques
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.recording import Recording
@@ -183,6 +184,6 @@ def _beyond_sampling(comparison: Comparison, half_width: int | None = None) -> t
 
     def percent(part: Recording) -> float:
         error = filtered_torque_error(drive, values, part, half_width, beyond_sampling=True)
-        return 100 * float(np.sqrt(np.mean(error**2))) / part.rms_torque
+        return 100 * rms(error) / part.rms_torque
 
     return percent(comparison.train), percent(zeroed(drive, values, comparison.test))

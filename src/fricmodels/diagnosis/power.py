@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fricmodels import plugins
+from fricmodels.arrays import rms
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.floor import above_noise
 from fricmodels.signals.order_spectrum import LEAST_PERIODS
@@ -63,7 +64,7 @@ def _smallest(result: CandidateTests, tested: CandidateTest) -> Visibility:
     it, falls by the least gain g: an effect takes √(1/(1 − g)² − 1) times as much torque for it as is left without it.
     """
     problem, regression, policy = result.problem, result.regression, result.policy
-    reference = float(np.sqrt(np.mean(acting(problem) ** 2)))
+    reference = rms(acting(problem))
     residual = float(np.sqrt(above_noise(problem, float(np.sum(regression.residual**2)), policy) / problem.rows))
     columns = tested.found.columns
     gain_needed = residual * float(np.sqrt(max(1 / (1 - policy.least_gain) ** 2 - 1, 0.0)))
@@ -78,7 +79,7 @@ def _smallest(result: CandidateTests, tested: CandidateTest) -> Visibility:
         # A coefficient vector of Wald statistic equal to the critical one, along its least certain direction.
         spread, directions = np.linalg.eigh(tested.evidence.covariance)
         theta = directions[:, -1] * np.sqrt(critical * max(spread[-1], 0.0))
-        needed = max(gain_needed, float(np.sqrt(np.mean((theta @ free) ** 2))))
+        needed = max(gain_needed, rms(theta @ free))
     beyond = _beyond_rows(problem, tested)
     share = beyond * max(needed / reference, policy.least_torque) if reference > 0 else float("nan")
     if share > 1.0:  # more than all of the torque

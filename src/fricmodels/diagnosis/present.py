@@ -74,8 +74,7 @@ def show_comparison(console: Console, comparison: Comparison) -> None:
 def show_parameters(console: Console, comparison: Comparison, title: str = "Parameters") -> None:
     """Print the parameters with their standard errors and units; what stands at its bound is marked."""
     drive, estimate = comparison.drive, comparison.estimate
-    units = {p.key: p.declared.unit_for(drive.motion) for p in drive.parameters}
-    units.setdefault(drive.inertia_key, INERTIA.unit(drive.motion))
+    units = {drive.inertia_key: INERTIA.unit(drive.motion), **drive.units}
     keys, errors = tuple(estimate.parameters), estimate.own_errors
     columns = [
         Column("parameter", keys),

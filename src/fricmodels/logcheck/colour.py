@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, rms
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.results.words import figures
@@ -136,7 +136,7 @@ def colour(log: Log, noises: dict[str, Noise]) -> Iterator[Finding]:
             or found.error == 0.0
         ):
             continue
-        if wandering * float(np.sqrt(np.mean(np.diff(log.short.recording[channel]) ** 2))) > 0.3 * found.size:
+        if wandering * rms(np.diff(log.short.recording[channel])) > 0.3 * found.size:
             continue
         chance = significance(max(abs(found.tilt) - np.log(1.1), 0.0) / found.error, found.pieces)
         if chance >= (_NOTED if channel == "torque" else LEVEL):

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from fricmodels.arrays import rms
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.signals.switched import one_value_in_each
@@ -24,7 +25,7 @@ def one_size(log: Log, inertia: float | None) -> Iterator[Finding]:
     recording, velocity = log.recording, log.velocity
     if inertia is not None or not recording.torque.any():
         return
-    moves = np.abs(velocity) > _MOVES * float(np.sqrt(np.mean(velocity**2)))
+    moves = np.abs(velocity) > _MOVES * rms(velocity)
     forward = velocity[moves] > 0.0
     torque = recording.torque[moves]
     if np.ptp(recording.torque) == 0.0 or not len(torque) or not one_value_in_each(torque, forward):

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from fricmodels.arrays import rms
 from fricmodels.logcheck.balance import CLUSTERS
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
@@ -32,7 +33,7 @@ def little(log: Log, noise: float) -> Iterator[Finding]:
     """
     velocity = log.velocity
     at_rest = float(np.mean(np.abs(velocity) <= 3.0 * noise))
-    speed = float(np.sqrt(np.mean(velocity**2)))
+    speed = rms(velocity)
     if speed < 3.0 * noise:
         yield _finding(
             f"the velocity (RMS {figures(speed)} {log.length_unit}/s) does not stand out of its noise "
@@ -64,7 +65,7 @@ def one_frequency(log: Log) -> Iterator[Finding]:
         acceleration[part] -= np.mean(acceleration[part])
     size = float(acceleration @ acceleration)
     slope = float(acceleration @ position) / size if size > 0 else 0.0
-    whole, left = (float(np.sqrt(np.mean(course**2))) for course in (position, position - slope * acceleration))
+    whole, left = (rms(course) for course in (position, position - slope * acceleration))
     if slope < 0.0 and left < _DIFFERENT * whole:
         frequency = 1.0 / (2.0 * np.pi * np.sqrt(-slope))
         yield Finding(

@@ -9,7 +9,7 @@ from itertools import combinations
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, rms
 from fricmodels.logcheck import clock
 from fricmodels.logcheck.balance import CLUSTERS, Balance, Cells, balances, best
 from fricmodels.logcheck.finding import Finding, Severity
@@ -67,7 +67,7 @@ def link(log: Log, quantity: Array, rate: Array) -> Link | None:
     """Return how a rate goes with the change of a quantity, or ``None`` where too little changes to tell."""
     closest: Link | None = None
     for change, mean in _over_cells(log, quantity, rate):
-        spread, other = float(np.sqrt(np.mean(change**2))), float(np.sqrt(np.mean(mean**2)))
+        spread, other = rms(change), rms(mean)
         if len(change) < _LEAST or spread == 0.0 or other == 0.0:
             continue
         correlation = float(np.mean(change * mean)) / (spread * other)

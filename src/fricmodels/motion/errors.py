@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import rms
 from fricmodels.motion.simulator import Simulator
 
 
@@ -56,22 +56,18 @@ def motion_errors(simulator: Simulator, values: Mapping[str, float]) -> MotionEr
     known = measured.measures("position")
     where = (position - measured["position"])[scored] if known else np.full(len(speed), math.nan)
     spread = float(np.std(measured["position"][scored])) if known else math.nan
-    rms = _rms(where)
+    away = rms(where)
     return MotionErrors(
-        rms,
-        _rms(speed),
-        100 * rms / spread if spread > 0 else math.nan,
-        _share(_rms(speed), _rms(measured.velocity[scored])),
+        away,
+        rms(speed),
+        100 * away / spread if spread > 0 else math.nan,
+        _share(rms(speed), rms(measured.velocity[scored])),
         float(np.mean(np.abs(where))),
         float(np.mean(where)),
         float(np.max(np.abs(where))),
         simulator.horizon,
         int(np.count_nonzero(scored)),
     )
-
-
-def _rms(error: Array) -> float:
-    return float(np.sqrt(np.mean(error**2)))
 
 
 def _share(error: float, size: float) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fricmodels.arrays import Array, Mask
+from fricmodels.arrays import Array, Mask, rms
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
 from fricmodels.loop import Loop
@@ -33,13 +33,13 @@ class Fold:
     held_out: Recording
 
 
-def folds(recording: Recording, parts: int = PARTS) -> list[Fold]:
+def folds(recording: Recording) -> list[Fold]:
     """Return the ways to hold out one part: so many pieces of time of each run, or groups of whole runs.
 
     Args:
-        recording: prepared. parts: how many; fewer where a piece would have less than 20 samples.
+        recording: prepared. There are fewer parts where a piece would have less than 20 samples.
     """
-    numbers = recording.run_numbers
+    numbers, parts = recording.run_numbers, PARTS
     label = np.zeros(len(recording), dtype=np.int64)
     if len(numbers) >= parts:
         label = np.searchsorted(numbers, recording.run) * parts // len(numbers)
@@ -112,4 +112,4 @@ def log_error(simulator: Simulator, values: Mapping[str, float], where: Mask | N
     if not np.all(np.isfinite(error)):
         return float("inf")
     least = 1e-12 * float(np.max(np.abs(right))) + 1e-300
-    return float(np.log(max(float(np.sqrt(np.mean(error**2))), least)))
+    return float(np.log(max(rms(error), least)))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from fricmodels.arrays import rms
 from fricmodels.diagnosis import Comparison, Diagnosis, Ladder
 from fricmodels.diagnosis.diagnose import Finding
 from fricmodels.diagnosis.document import document
@@ -46,7 +47,7 @@ def _(recording: Recording) -> Tables:
             or CHANNELS.get(name, DIMENSIONLESS).unit(recording.motion),
             "least": float(np.min(values)),
             "greatest": float(np.max(values)),
-            "RMS": float(np.sqrt(np.mean(values**2))),
+            "RMS": rms(values),
             "derived": name in recording.derived,
         }
         for name, values in recording.channels.items()

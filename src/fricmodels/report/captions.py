@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fricmodels.arrays import Array, Mask
+from fricmodels.arrays import Array, Mask, rms
 from fricmodels.diagnosis.where import in_words
 from fricmodels.dimension import FORCE, VELOCITY, Motion
 from fricmodels.report.figure_tables import axis_title, axis_unit, unit_shown
@@ -146,7 +146,7 @@ def _apart(figure: Figure, name: str) -> float | None:
         at = before[(before >= after[0]) & (before <= after[-1])]
         gaps.append(np.interp(at, before, low) - np.interp(at, after, high))
     joined = np.concatenate(gaps) if gaps else np.zeros(0)
-    return float(np.sqrt(np.mean(joined**2))) if len(joined) else None
+    return rms(joined) if len(joined) else None
 
 
 def curve_words(figure: Figure, comparison: Comparison) -> str:

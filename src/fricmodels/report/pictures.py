@@ -94,12 +94,13 @@ def excerpt(comparison: Comparison) -> Picture | None:
     return Picture("The stretch with the largest error", words, figure, points_of(figure), "excerpt")
 
 
-def curve(comparison: Comparison, title: str = "Friction against velocity") -> Picture:
+def curve(comparison: Comparison) -> Picture:
     """Return friction against velocity, measured and modelled."""
     from fricmodels.report import figures
 
     figure = figures.friction_curve(comparison)
-    return Picture(title, curve_words(figure, comparison), figure, points_of(figure), "friction-curve")
+    words = curve_words(figure, comparison)
+    return Picture("Friction against velocity", words, figure, points_of(figure), "friction-curve")
 
 
 def low_speed(before: Comparison, after: Comparison | None = None, effect: str = "") -> Picture:

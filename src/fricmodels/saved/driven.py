@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from fricmodels.arrays import rms
 from fricmodels.errors import InputError
 from fricmodels.files import replaced
 from fricmodels.readers.standard_names import STANDARD
@@ -70,7 +71,7 @@ def errors_in_words(simulated: Recording, recording: Recording, how: str) -> lis
                 lines.append(f"{name}: the simulation ended before the recording did")
                 continue
             size = unit if whole.motion.value == "rotary" else unit.replace("rad", "m")
-            lines.append(f"{name}: RMS error {float(np.sqrt(np.mean(error**2))):.4g} {size}, {how}")
+            lines.append(f"{name}: RMS error {rms(error):.4g} {size}, {how}")
     return lines
 
 

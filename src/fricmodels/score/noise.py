@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, rms
 from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.signals import motion_noise, noise, noise_of, quantum, stretches
@@ -46,7 +46,7 @@ def _fast(recording: Recording, channel: str) -> float | None:
     """
     values, filtered, weights = recording[channel], [], _high_pass()
     change = np.abs(np.diff(values, prepend=values[:1]))
-    changes = change > _STILL * float(np.sqrt(np.mean(change**2)))
+    changes = change > _STILL * rms(change)
     for part in stretches(recording.time, recording.run):
         if part.stop - part.start >= 2 * _TAPS:
             if not is_even(recording.time[part]):

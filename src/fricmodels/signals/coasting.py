@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, rms
 from fricmodels.errors import InputError
 from fricmodels.once import once
 from fricmodels.recording import Recording
@@ -48,7 +48,7 @@ def coasting(recording: Recording, inertia: float | None) -> Recording:
     if not _slows(means):
         raise InputError(f"{source}: the torque is zero throughout, yet the drive does not slow down; {way_out}")
     slopes = [np.diff(velocity) / np.diff(time) for time, velocity in means]
-    return replace(recording, reference_torque=inertia * _rms(np.concatenate(slopes)))
+    return replace(recording, reference_torque=inertia * rms(np.concatenate(slopes)))
 
 
 def coasts(recording: Recording) -> bool:
@@ -58,7 +58,7 @@ def coasts(recording: Recording) -> bool:
 
 def _slows(means: Sequence[tuple[Array, Array]]) -> bool:
     halves = (np.array_split(velocity, 2) for _, velocity in means)
-    return all(_rms(later) <= _SLOWS * _rms(before) for before, later in halves)
+    return all(rms(later) <= _SLOWS * rms(before) for before, later in halves)
 
 
 @once
@@ -78,7 +78,3 @@ def _means(run: Recording) -> tuple[Array, Array]:
     pieces = np.array_split(np.arange(len(run)), max(2, min(_PIECES, len(run) // _SAMPLES)))
     mean_time, mean_velocity = (np.array([np.mean(values[piece]) for piece in pieces]) for values in (time, velocity))
     return mean_time, mean_velocity
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from fricmodels.arrays import Array, Mask
+from fricmodels.arrays import Array, Mask, rms
 from fricmodels.recording import Recording
 from fricmodels.signals.in_place import pieces
 from fricmodels.signals.rest import passage
@@ -20,7 +20,7 @@ _LEAST = 4
 
 def creeping_speed(smooth: Array) -> float:
     """Return the speed up to which a drive of a velocity freed of noise, shape (N,), may creep."""
-    return _CREEPS * float(np.sqrt(np.mean(smooth**2))) if len(smooth) else 0.0
+    return _CREEPS * rms(smooth) if len(smooth) else 0.0
 
 
 def creeping_stretches(recording: Recording, smooth: Array, rest: Mask, up_to: float) -> list[tuple[int, int]]:

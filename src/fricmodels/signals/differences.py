@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, rms
 from fricmodels.recording import Recording
 
 _EQUAL, _EXCEPTIONS = 1e-3, 0.01
@@ -28,7 +28,7 @@ def is_difference(recording: Recording) -> bool:
     inside = np.diff(recording.run[some]) == 0
     if np.count_nonzero(inside) < _LEAST:
         return False
-    allowed = _EQUAL * float(np.sqrt(np.mean(velocity**2)))
+    allowed = _EQUAL * rms(velocity)
     steps, changes = np.where(inside, np.diff(time), np.inf), np.diff(position)
     between = inside[1:] & inside[:-1]
     wide = np.where(between, time[2:] - time[:-2], np.inf)

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, rms
 from fricmodels.recording import Recording
 
 _FAR, _OF_STEP, _OF_WALK, _EXCEPTIONS = 64, 1.0, 0.5, 0.01
@@ -50,7 +50,7 @@ def is_integral(recording: Recording) -> bool:
     if np.count_nonzero(run[_FAR:] == run[:-_FAR]) < _LEAST:
         return False
     noise = velocity_noise(recording).deviation
-    if not noise > _NOISE * float(np.sqrt(np.mean(velocity**2))):
+    if not noise > _NOISE * rms(velocity):
         return False
     off, step = position - way(time, velocity), noise * recording.interval
     for samples, allowed in ((1, _OF_STEP * step), (_FAR, _OF_WALK * step * np.sqrt(_FAR))):

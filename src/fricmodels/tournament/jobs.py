@@ -161,8 +161,7 @@ def _fit_and_score(job: Job) -> Row:
     _describe(row, fit)
     if loaded.true_parameters is not None:
         row["true_parameters"] = dict(loaded.true_parameters)
-    units = {p.key: p.declared.unit_for(drive.motion) for p in drive.parameters}
-    history = fit.parameter_history(units, row["true_parameters"])
+    history = fit.parameter_history(drive.units, row["true_parameters"])
     if history is not None:
         row[HISTORY] = history.model_dump(mode="json")
     if fit.status is not Status.OK:

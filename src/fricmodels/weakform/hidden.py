@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from fricmodels.arrays import rms
 from fricmodels.drive import Drive
 from fricmodels.once import once
 from fricmodels.recording import Recording
@@ -19,7 +20,7 @@ def sign_is_hidden(recording: Recording) -> bool:
     As much of the noise counts as changes in that time, :math:`\sqrt{r_0 - r_1}`; of white noise all.
     """
     changes = np.diff(recording.velocity)[np.diff(recording.run) == 0]
-    usual = float(np.sqrt(np.mean(changes**2))) if len(changes) else 0.0
+    usual = rms(changes) if len(changes) else 0.0
     now, later = velocity_noise(recording).covariance(2)
     return bool(now - later > (0.1 * usual) ** 2)
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from fricmodels.arrays import rms
 from fricmodels.errors import InputError
 from fricmodels.once import once
 from fricmodels.processes import give_back
@@ -99,13 +100,13 @@ def surest_velocity(recording: Recording, *, known_by_position: bool = False) ->
     error = counted.after(even_weights(width)[1]) / recording.interval
     own = velocity_noise(recording).deviation
     power = float(derived @ derived)
-    apart = float(np.sqrt(np.mean((velocity - derived) ** 2)))
+    apart = rms(velocity - derived)
     if error < apart / np.sqrt(2.0) and is_late(recording):
         return result
     if error >= own or power == 0:
         return recording
     scale = float(derived @ velocity) / power
-    left = float(np.sqrt(np.mean((velocity - scale * derived) ** 2)))
+    left = rms(velocity - scale * derived)
     if abs(scale - 1) > 0.01 or left > 1.5 * float(np.hypot(own, error)):
         return recording
     return result

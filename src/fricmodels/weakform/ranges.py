@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from fricmodels.arrays import rms
 from fricmodels.dimension import ACCELERATION, DISPLACEMENT, TIME, VELOCITY, Dimension
 from fricmodels.once import once
 from fricmodels.parameter import Parameter
@@ -77,7 +78,7 @@ def _acceleration(recording: Recording) -> float:
     """Return the RMS acceleration of a motion, or of an even one that which its natural sizes make."""
     velocity, _ = smoothed_velocity(recording)
     rate = lanczos_value(recording.time, velocity, _WIDTH, recording.run, order=1)
-    return float(np.sqrt(np.mean(rate**2))) or natural_size(recording, ACCELERATION)
+    return rms(rate) or natural_size(recording, ACCELERATION)
 
 
 def scan_values(recording: Recording, parameter: Parameter) -> list[float]:
@@ -133,7 +134,7 @@ def turning(recording: Recording) -> float:
     """
     velocity, error = smoothed_velocity(recording)
     speed = np.abs(velocity)
-    low = (speed > 3.0 * error) & (speed <= _LOW * float(np.sqrt(np.mean(velocity**2))))
+    low = (speed > 3.0 * error) & (speed <= _LOW * rms(velocity))
     if not low.any():
         return 0.0
     rate = np.sort(np.abs(lanczos_value(recording.time, velocity, _WIDTH, recording.run, order=1))[low])

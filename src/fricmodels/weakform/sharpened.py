@@ -18,6 +18,7 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.recording import Recording
 from fricmodels.signals import lanczos_derivative
+from fricmodels.signals.integrated import way
 from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.solve import Solved, solve
 
@@ -48,6 +49,5 @@ def smoothed_away(recording: Recording, smooth: Array, half_width: int) -> Array
     time, run = recording.time, recording.run
     left = recording.velocity - smooth
     if recording.derived_over:
-        path = np.concatenate([[0.0], np.cumsum(0.5 * (smooth[1:] + smooth[:-1]) * np.diff(time))])
-        left = lanczos_derivative(time, recording["position"] - path, recording.derived_over, run)[1]
+        left = lanczos_derivative(time, recording["position"] - way(time, smooth), recording.derived_over, run)[1]
     return lanczos_derivative(time, left, half_width, run)[0]

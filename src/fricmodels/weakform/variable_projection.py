@@ -26,6 +26,8 @@ THINNED = 4
 """Of so many equations one is kept of what a starting point leaves, for neighbours say nearly the same."""
 _EQUAL = 1e-9
 """Share by which squared errors that are equal but for rounding may differ: the first of them is taken."""
+_MOST_STEPS = 50
+"""Steps of Gauss–Newton."""
 
 
 class _Tried:
@@ -217,10 +219,10 @@ class Projection:
             costs[i], left[i] = _square(residual), residual[::THINNED]
         return Scan(starts, costs, left)
 
-    def descend(self, at: Solution, nonlinear: Nonlinear, max_iterations: int = 50) -> Solution:
+    def descend(self, at: Solution, nonlinear: Nonlinear) -> Solution:
         """Return the least squares next to a point, by Gauss–Newton to the end."""
         damping, reach = 1e-3, nonlinear.reach
-        for iteration in range(1, max_iterations + 1):
+        for iteration in range(1, _MOST_STEPS + 1):
             scale = np.where(nonlinear.logarithmic, np.maximum(at.alpha, 1e-300), 1.0)
             step, promised = self._step(at, scale, damping, ~nonlinear.held)
             if promised <= TOLERANCE * at.cost:
@@ -240,7 +242,7 @@ class Projection:
                 damping *= 10.0
                 if small < 1e-6 or damping > 1e8:
                     return replace(at, iterations=iteration)
-        return replace(at, iterations=max_iterations, converged=False)
+        return replace(at, iterations=_MOST_STEPS, converged=False)
 
     def _step(self, at: Solution, scale: Array, damping: float, moving: Mask) -> tuple[Array, float]:
         """Return the Levenberg step of α, the linear parameters following (projected out), and the fall it promises."""

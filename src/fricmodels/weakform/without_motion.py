@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from fricmodels.arrays import rms
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
@@ -34,7 +35,7 @@ def refuse_without_motion(
     if drive.inertia is not None or not residual_percent < 100.0 * _NOTHING:
         return
     rate = np.diff(recording.velocity) / np.diff(recording.time)
-    inertial = parameters[drive.inertia_key] * float(np.sqrt(np.mean(rate**2)))
+    inertial = parameters[drive.inertia_key] * rms(rate)
     if inertial < _NOTHING * recording.rms_torque:
         raise InputError(
             f"recording '{recording.name}': where it is fitted the torque has one size in each direction, and a "

@@ -86,7 +86,8 @@ def test_an_empty_leaderboard_is_refused():
 def test_the_history_is_that_of_the_fit():
     drive = Drive(Model.parse("coulomb-viscous"), INERTIA)
     fit = plugins.load().estimators["ekf"]().fit(drive, moved(ripple=0.0))
-    figure = figures.parameter_history(fit, true={"K_v": VISCOUS, "K_c": COULOMB})
+    history = fit.parameter_history(drive.units, {"K_v": VISCOUS, "K_c": COULOMB}, points=4 * len(fit.history))
+    figure = figures.parameter_history(history)
     estimates = [each for each in figure.data if each.name == "estimate"]
     for shown, key in zip(estimates, fit.estimated, strict=True):
         assert np.nanmax(shown.y) == pytest.approx(fit.history[key].max(), rel=1e-6)

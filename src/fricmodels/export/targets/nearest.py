@@ -9,10 +9,11 @@ from typing import Literal
 import numpy as np
 
 from fricmodels import plugins
+from fricmodels.arrays import rms
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.export.targets.laws import PolynomialDamping, Viscous
-from fricmodels.export.targets.validity import combined_within, doubtful, friction_over, motion_over, rms
+from fricmodels.export.targets.validity import combined_within, doubtful, friction_over, motion_over
 from fricmodels.model import Model, NoFriction
 from fricmodels.recording import Recording
 from fricmodels.saved import FittedModel

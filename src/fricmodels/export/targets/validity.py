@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, rms
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.recording import CHANNELS, OTHER, Recording
@@ -41,11 +41,6 @@ def motion_over(model: FittedModel) -> Recording:
         channels["time"] = np.linspace(0.0, reversals * way / speed, _SAMPLES)
     run = np.full(_SAMPLES, model.document.runs[0], dtype=np.int64)
     return Recording("range of validity", Motion(model.motion), channels, run, units=dict(model.document.units))
-
-
-def rms(values: Array) -> float:
-    """Return the root of the mean square."""
-    return float(np.sqrt(np.mean(np.square(values))))
 
 
 def friction_over(drive: Drive, values: Mapping[str, float], motion: Recording) -> Array:

@@ -56,8 +56,8 @@ class Together:
     drawn: int
 
 
-def together(x: Array, signals: Sequence[Array], piece: Index, points: int = POINTS) -> Together:
-    """Return signals at the same at most ``points`` samples, among them the extremes of each.
+def together(x: Array, signals: Sequence[Array], piece: Index) -> Together:
+    """Return signals at the same at most 2000 samples, among them the extremes of each.
 
     Signals that are thinned apart would differ where they do not.
 
@@ -65,10 +65,9 @@ def together(x: Array, signals: Sequence[Array], piece: Index, points: int = POI
         x: not decreasing, shape (N,).
         signals: shape (N,) each.
         piece: number of the piece of each sample; see :func:`line`.
-        points: most points.
     """
-    breaks = _breaks(piece, points)
-    room = points - len(breaks)
+    breaks = _breaks(piece, POINTS)
+    room = POINTS - len(breaks)
     if len(x) <= room:
         index = np.arange(len(x))
     else:

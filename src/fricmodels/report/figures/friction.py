@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, rms
 from fricmodels.recording import Recording
 from fricmodels.report.figures.grid import even_edges
 from fricmodels.report.figures.samples import Samples
@@ -183,9 +183,7 @@ def _from_samples(samples: Samples) -> _Curve:
     known[kept] = True
     middle = np.array([torque[part].mean() for part in bins])
     low, high = np.array([np.quantile(torque[part], [0.05, 0.95]) for part in bins]).T
-    spread = np.array(
-        [float(np.sqrt(np.mean(error[part[known[part]]] ** 2))) if known[part].any() else np.nan for part in bins]
-    )
+    spread = np.array([rms(error[part[known[part]]]) if known[part].any() else np.nan for part in bins])
     centre = np.array([float(np.median(velocity[part])) for part in bins])
     return _Curve(centre, middle, spread, (low, high))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,7 +27,6 @@ from fricmodels.results.history import Course, ParameterHistory
 from fricmodels.results.words import NORMAL_95
 
 if TYPE_CHECKING:
-    from fricmodels.drive import Drive
     from fricmodels.fit import Fit
 
 
@@ -37,9 +36,7 @@ _WIDEST = 1.5
 """Half a band that an axis holds, in sizes of the estimates."""
 
 
-def parameter_history(
-    fit: Fit | ParameterHistory, drive: Drive | None = None, true: Mapping[str, float] | None = None
-) -> Figure:
+def parameter_history(fit: Fit | ParameterHistory) -> Figure:
     """Draw each parameter over time while it is being estimated, with the filter's own two standard deviations.
 
     At the end stands the value of the fit with its 95 % interval. The axes leave out how far the first moments go
@@ -47,13 +44,11 @@ def parameter_history(
 
     Args:
         fit: of a sequential estimator, or its history.
-        drive: that was fitted; found by the model's name if not given.
-        true: values by key, where they are known; a history knows its own.
 
     Raises:
         InputError: when the fit has no history.
     """
-    data = fit if isinstance(fit, ParameterHistory) else _whole(fit, drive, true)
+    data = fit if isinstance(fit, ParameterHistory) else _whole(fit)
     time = _array(data.time)
     restart = np.concatenate([[0], np.cumsum(np.diff(time) <= 0)]).astype(np.int64)
     place = time if restart[-1] == 0 else np.arange(len(time), dtype=float)
@@ -86,7 +81,7 @@ def parameter_history(
     return styled(figure, title, f"{data.dataset}: {data.model}, {data.estimator}", height=140 + 120 * len(courses))
 
 
-def _whole(fit: Fit, drive: Drive | None, true: Mapping[str, float] | None) -> ParameterHistory:
+def _whole(fit: Fit) -> ParameterHistory:
     """Return all that a fit kept of its history."""
     from fricmodels.drive import Drive
     from fricmodels.model import Model
@@ -94,9 +89,8 @@ def _whole(fit: Fit, drive: Drive | None, true: Mapping[str, float] | None) -> P
     if fit.history is None:
         raise InputError(f"'{fit.estimator}' keeps no history; fit with a sequential estimator such as 'ekf' or 'rls'")
     motion = Motion.LINEAR if "M" in fit.parameters else Motion.ROTARY
-    drive = drive or Drive(Model.parse(fit.model), None, motion)
-    units = {p.key: p.declared.unit_for(drive.motion) for p in drive.parameters}
-    found = fit.parameter_history(units, true, points=4 * len(fit.history))
+    units = Drive(Model.parse(fit.model), None, motion).units
+    found = fit.parameter_history(units, None, points=4 * len(fit.history))
     if found is None:
         raise InputError(f"the fit of '{fit.model}' by '{fit.estimator}' kept no estimate; its history is empty")
     return found

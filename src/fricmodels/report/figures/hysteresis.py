@@ -13,6 +13,7 @@ from fricmodels.dimension import DISPLACEMENT
 from fricmodels.errors import InputError
 from fricmodels.report.figures.samples import Samples
 from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, label, styled, subplots, unit_of, words
+from fricmodels.signals.integrated import way
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -93,8 +94,7 @@ def _travelled(samples: Samples) -> Array:
     """Return the position, or the integral of the velocity where it was not measured."""
     if "position" in samples.recording:
         return samples.recording["position"]
-    velocity, time = samples.velocity, samples.place
-    return np.concatenate([[0.0], np.cumsum((velocity[1:] + velocity[:-1]) / 2 * np.diff(time))])
+    return way(samples.place, samples.velocity)
 
 
 def hysteresis(comparison: Comparison) -> Figure:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fricmodels.arrays import Array, Index
+from fricmodels.arrays import Array, Index, rms
 from fricmodels.dimension import Motion
 from fricmodels.report.figures.downsample import extremes
 from fricmodels.report.figures.samples import Samples
@@ -159,7 +159,7 @@ def residual_spectrum(comparison: Comparison) -> Figure:
     if samples.recording.measures("position") and float(np.ptp(samples.recording["position"])) > 0:
         turn = 2 * np.pi if samples.motion is Motion.ROTARY else 1.0
         place = samples.recording["position"][moving] / turn
-        speed = float(np.sqrt(np.mean(samples.velocity[moving] ** 2))) / turn
+        speed = rms(samples.velocity[moving]) / turn
         lines = (("the same in both directions", error), ("along the motion", side * error))
         axis = label("order", "1/turn") if samples.motion is Motion.ROTARY else label("order", "1/m")
         name = "per turn" if samples.motion is Motion.ROTARY else "per metre"

@@ -161,10 +161,10 @@ def escaped(text: object) -> str:
     return plain.replace("$", "&#36;").replace("%{", "%&#123;")
 
 
-def shortened(text: object, longest: int = _LONGEST_SUBTITLE) -> str:
+def shortened(text: object) -> str:
     """Return the beginning of a long text, escaped."""
     plain = " ".join(str(text).split())
-    return escaped(plain if len(plain) <= longest else plain[: longest - 1] + "…")
+    return escaped(plain if len(plain) <= _LONGEST_SUBTITLE else plain[: _LONGEST_SUBTITLE - 1] + "…")
 
 
 def unit_text(unit: str) -> str:

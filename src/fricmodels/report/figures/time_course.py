@@ -38,10 +38,10 @@ _MOST_BORDERS = 60
 """More borders of runs than this would hide the curves."""
 
 
-def worst_stretch(comparison: Comparison, count: int = POINTS) -> tuple[float, float]:
+def worst_stretch(comparison: Comparison) -> tuple[float, float]:
     """Return from when to when [s] so many samples are that hold the largest squared error."""
     samples = Samples.of(comparison)
-    count = min(count, len(samples.place))
+    count = min(POINTS, len(samples.place))
     total = np.concatenate([[0.0], np.cumsum(np.nan_to_num(samples.error) ** 2)])
     first = int(np.argmax(total[count:] - total[:-count]))
     return float(samples.place[first]), float(samples.place[first + count - 1])
