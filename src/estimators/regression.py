@@ -12,10 +12,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 from fricmodels.arrays import Array
 from fricmodels.dimension import Scales
 from fricmodels.drive import Drive
+from fricmodels.filtering.windowed import RESTING
 from fricmodels.recording import Recording
 
-RESTING = 0.01
-"""Speed below which a sample counts as standing still, as a fraction of the peak speed."""
 _CUBIC = 5
 
 

@@ -11,12 +11,13 @@ import numpy as np
 from pydantic import Field
 
 from estimators.newest_window import NewestWindow
-from estimators.regression import RESTING, Design, cubic
+from estimators.regression import Design, cubic
 from fricmodels.arrays import Array
 from fricmodels.drive import Drive
-from fricmodels.errors import EstimationError, InputError
+from fricmodels.errors import EstimationError
 from fricmodels.estimator import EstimatorSettings, OnlineFilter, SequentialEstimator, Solution, usable
 from fricmodels.filtering.covariance import symbolic_covariance, symbolic_pack, unpack
+from fricmodels.filtering.online import checked_sample
 from fricmodels.filtering.preparation import (
     dominant_frequency,
     inertia_guess,
@@ -26,7 +27,7 @@ from fricmodels.filtering.preparation import (
 )
 from fricmodels.filtering.problem import HISTORY_ROWS
 from fricmodels.filtering.stored_problem import SCHEMA, checked_state, drive_document, drive_of
-from fricmodels.filtering.windowed import WindowedRegression
+from fricmodels.filtering.windowed import RESTING, WindowedRegression
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording, channel_of
 
@@ -229,18 +230,10 @@ class _Online(OnlineFilter):
 
     def update(self, sample: Mapping[str, float]) -> dict[str, float]:
         """Take one sample and return the parameters; refuses what is missing, not finite or out of order."""
-        given = {"load_torque": 0.0, **sample}
-        missing = [name for name in self._channels if name not in given]
-        if missing:
-            raise InputError(f"the sample has no '{missing[0]}', which this estimator needs")
-        present = {name: float(given[name]) for name in self._channels} | {"run": float(sample.get("run", 0))}
-        if not all(map(math.isfinite, present.values())):
-            raise InputError(f"the sample at time {present['time']} has a value that is not finite; leave it out")
         samples = self._window.samples
+        present = checked_sample(sample, self._channels, samples[-1] if samples else None, "estimator")
         if samples and samples[-1]["run"] != present["run"]:
             self._window.clear()
-        elif samples and not present["time"] > samples[-1]["time"]:
-            raise InputError(f"time must increase: {present['time']} follows {samples[-1]['time']}")
         row = self._window.take(present)
         if row is not None:
             self._memory, _, _ = self._problem.scan(self._memory, row, self._forgetting, outputs=self._output)

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 _SURELY_MOVING = 0.01
 """Share of the peak speed above which a drive does not stick."""
 
+SHARE_OF_REST = 1e-6
+"""Width of rest of a law over the peak speed."""
+
 
 @dataclass(frozen=True)
 class DriveParameter:
@@ -386,4 +389,4 @@ def _at_each(values: Array, recording: Recording) -> Array:
 
 def rest_width(recording: Recording) -> float:
     """Return the speed below which a drive counts as at rest for a law's slope: 1e-6 of the peak speed."""
-    return 1e-6 * recording.peak_speed or 1e-9
+    return SHARE_OF_REST * recording.peak_speed or 1e-9

@@ -190,7 +190,7 @@ def _integrate(
     if len(intervals) == 0 or not np.all(intervals > 0):
         raise InputError(f"recording '{driven.name}' needs at least two increasing sample times to be simulated")
     driven.require(drive.model.required - {*MOTION, "load_torque"}, drive.model.name)
-    inertia, parameters = _checked(drive, values)
+    inertia, parameters = checked(drive, values)
     rows = _rows(drive, driven, between_samples, substeps)
     if width is None:
         width = width_of_rest(driven, inertia)
@@ -287,7 +287,7 @@ def advanced(
         interval: its length [s].
         width: width of rest [velocity].
     """
-    inertia, parameters = _checked(drive, values)
+    inertia, parameters = checked(drive, values)
     row = [interval, *(x for name in pushing_signals(drive) for x in (begin[name], end[name]))]
     rows = [[*row, float(phase == PHASES - 1)] for phase in range(PHASES)]
     last, _, done = stepping(drive)([*moving, 0.0], rows, [inertia, *parameters, width])
@@ -303,7 +303,12 @@ def stepping(drive: Drive, loop: Loop | None = None) -> Scan:
     return scan
 
 
-def _checked(drive: Drive, values: Mapping[str, float]) -> tuple[float, Array]:
+def checked(drive: Drive, values: Mapping[str, float]) -> tuple[float, Array]:
+    """Return the inertia and the model's parameters.
+
+    Raises:
+        InputError: for a value that is missing, or an inertia that is not positive.
+    """
     try:
         inertia, parameters = drive.split(values)
     except KeyError as missing:

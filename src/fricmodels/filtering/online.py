@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,15 +15,36 @@ from fricmodels.filtering.covariance import unpack
 from fricmodels.filtering.preparation import REST_WIDTH
 from fricmodels.filtering.problem import FilterProblem
 from fricmodels.filtering.stored_problem import SCHEMA, problem_document
+from fricmodels.filtering.windowed import RESTING
 from fricmodels.recording import CHANNELS, Recording, channel_of
-
-_RESTING = 0.01
-"""Speed of rest over the peak speed: that below which recursive least squares takes a sample for standstill."""
 
 
 def resting_speed(problem: FilterProblem) -> float:
     """Return the speed [rad/s or m/s] below which a sample is one of rest."""
-    return _RESTING / REST_WIDTH * float(problem.known[0])
+    return RESTING / REST_WIDTH * float(problem.known[0])
+
+
+def checked_sample(
+    sample: Mapping[str, float], channels: Sequence[str], previous: Mapping[str, float] | None, who: str
+) -> dict[str, float]:
+    """Return the channels of a sample and the number of its run; a load torque that is not given is zero.
+
+    Args:
+        sample: as it was given. channels: that are needed. previous: the sample before it. who: needs them, in words.
+
+    Raises:
+        InputError: when a channel is missing, a value is not finite, or time does not increase within a run.
+    """
+    given = {"load_torque": 0.0, **sample}
+    missing = [name for name in channels if name not in given]
+    if missing:
+        raise InputError(f"the sample has no '{missing[0]}', which this {who} needs")
+    present = {name: float(given[name]) for name in channels} | {"run": float(sample.get("run", 0))}
+    if not all(map(math.isfinite, present.values())):
+        raise InputError(f"the sample at time {present['time']} has a value that is not finite; leave it out")
+    if previous is not None and present["run"] == previous["run"] and not present["time"] > previous["time"]:
+        raise InputError(f"time must increase: {present['time']} follows {previous['time']}")
+    return present
 
 
 class ProblemOnline(OnlineFilter):
@@ -58,21 +80,11 @@ class ProblemOnline(OnlineFilter):
         Raises:
             InputError: when a channel is missing, a value is not finite, or time does not increase.
         """
-        problem = self._problem
-        defaults = {"load_torque": 0.0, **sample}
-        missing = [name for name in self._channels if name not in defaults]
-        if missing:
-            raise InputError(f"the sample has no '{missing[0]}', which this filter needs")
-        present = {name: float(defaults[name]) for name in self._channels}
-        if not all(np.isfinite(list(present.values()))):
-            raise InputError(f"the sample at time {present['time']} has a value that is not finite; leave it out")
-        present["run"] = float(sample.get("run", 0))
-        previous = self._previous
+        problem, previous = self._problem, self._previous
+        present = checked_sample(sample, self._channels, previous, "filter")
         if previous is None or present["run"] != previous["run"]:
             velocity = present["velocity"] / problem.scales.of(CHANNELS["velocity"])
             self._memory = problem.restarted(self._memory, velocity)
-        elif not present["time"] > previous["time"]:
-            raise InputError(f"time must increase: {present['time']} follows {previous['time']}")
         else:
             pair = {name: np.array([previous[name], present[name]]) for name in self._channels}
             run = Recording("online", problem.drive.motion, pair, np.zeros(2, dtype=np.int64)).scaled(problem.scales)

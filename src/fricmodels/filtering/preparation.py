@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fricmodels.arrays import Array, Mask
+from fricmodels.arrays import Array, Mask, rms
 from fricmodels.dimension import Dimension, Scales
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
@@ -160,7 +160,7 @@ def scanned_guess(drive: Drive, recording: Recording) -> dict[str, float]:
         design, offset = drive.regressors(part, nonlinear)
         design, right = design[:, moving], (torque - offset)[moving]
         linear = bounded_least_squares(design, right, lower, upper, above)
-        residual = float(np.sqrt(np.mean((right - linear @ design) ** 2)))
+        residual = rms(right - linear @ design)
         if best is None or residual < best[0]:
             best = (residual, nonlinear, linear)
     if best is None:

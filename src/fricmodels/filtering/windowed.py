@@ -9,6 +9,9 @@ from typing import Any, Protocol, runtime_checkable
 from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 
+RESTING = 0.01
+"""Speed below which a sample counts as standing still, as a fraction of the peak speed."""
+
 
 @dataclass(frozen=True)
 class WindowedRegression:

@@ -15,7 +15,7 @@ from fricmodels.kernels import Interpreted
 from fricmodels.loop import PREFIX, Loop
 from fricmodels.motion.start import SAMPLES, State, state_at
 from fricmodels.recording import Recording
-from fricmodels.simulation import PHASES, Between, stepping, stepping_rows, width_of_rest
+from fricmodels.simulation import PHASES, Between, checked, stepping, stepping_rows, width_of_rest
 from fricmodels.stick_slip import MOTION, phase_of_step, pushing_signals
 
 _GREATEST = 1e75
@@ -145,13 +145,9 @@ class Simulator:
         Raises:
             InputError: for a value that is missing, or an inertia that is not positive.
         """
-        try:
-            rows, values = self._timed(values)
-            inertia, parameters = self.drive.split(values)
-        except KeyError as missing:
-            raise InputError(f"to simulate '{self.drive.model.name}' a value is needed for {missing}") from None
-        if not inertia > 0:
-            raise InputError(f"to simulate '{self.drive.model.name}' the inertia must be positive, got {inertia}")
+        checked(self.drive, values)
+        rows, values = self._timed(values)
+        inertia, parameters = self.drive.split(values)
         around = [] if self.loop is None else self.loop.values(values)
         constants = [inertia, *parameters, width_of_rest(self.recording, inertia), *around]
         declared = [state.initial for state in self.drive.model.states]

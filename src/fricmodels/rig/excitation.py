@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from fricmodels.arrays import Array
 from fricmodels.documents import Positive
+from fricmodels.signals.integrated import way
 
 
 @dataclass(frozen=True)
@@ -194,11 +195,14 @@ def _open(torque: Array) -> Command:
 def _from_velocity(time: Array, knots: Array, speeds: Array) -> Command:
     order = np.concatenate([[True], np.diff(knots) > 0])
     knots, speeds = knots[order], speeds[order]
-    steps = np.diff(knots)
-    slopes = np.diff(speeds) / steps
-    place = np.concatenate([[0.0], np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * steps)])
+    return Command(np.zeros_like(time), *between_speeds(time, knots, speeds))
+
+
+def between_speeds(time: Array, knots: Array, speeds: Array) -> tuple[Array, Array, Array]:
+    """Return position, velocity and acceleration of a motion whose velocity is linear between knots, from zero on."""
+    slopes, place = np.diff(speeds) / np.diff(knots), way(knots, speeds)
     segment = np.clip(np.searchsorted(knots, time, side="right") - 1, 0, len(slopes) - 1)
     since = time - knots[segment]
     velocity = speeds[segment] + slopes[segment] * since
     position = place[segment] + speeds[segment] * since + 0.5 * slopes[segment] * since**2
-    return Command(np.zeros_like(time), position, velocity, slopes[segment])
+    return position, velocity, slopes[segment]

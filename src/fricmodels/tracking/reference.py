@@ -9,6 +9,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from fricmodels.arrays import Array
+from fricmodels.rig.excitation import between_speeds
+from fricmodels.signals.integrated import way
 
 Kind: TypeAlias = Literal["both", "multisine", "trapezoid"]
 LINES = 4
@@ -66,16 +68,9 @@ class Reference:
         return q * window, w * window + q * slope, a * window + 2 * w * slope + q * bend
 
     def _moves(self, time: Array) -> tuple[Array, Array, Array]:
-        steps = np.diff(self.knots)
-        slopes = np.diff(self.speeds) / steps
-        place = np.concatenate([[0.0], np.cumsum(0.5 * (self.speeds[1:] + self.speeds[:-1]) * steps)])
-        segment = np.clip(np.searchsorted(self.knots, time, side="right") - 1, 0, len(slopes) - 1)
-        since = time - self.knots[segment]
-        velocity = self.speeds[segment] + slopes[segment] * since
-        position = place[segment] + self.speeds[segment] * since + 0.5 * slopes[segment] * since**2
         over = time >= self.knots[-1]
-        at_end = (place[-1], 0.0, 0.0)
-        values = (position, velocity, slopes[segment])
+        at_end = (way(self.knots, self.speeds)[-1], 0.0, 0.0)
+        values = between_speeds(time, self.knots, self.speeds)
         return tuple(np.where(over, e, v) for e, v in zip(at_end, values, strict=True))  # type: ignore[return-value]
 
 

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
+from fricmodels.drive import SHARE_OF_REST
 from fricmodels.errors import InputError
 from fricmodels.export.targets.c_text import ascii_text, c_names, comment, step, table
-from fricmodels.filtering.windowed import WindowedRegression
+from fricmodels.filtering.windowed import RESTING, WindowedRegression
 from fricmodels.kernels.c_source import c_lines, literal
 
-_REST_WIDTH = 1e-6
-"""Width of rest of a law over the peak speed."""
-_RESTING = 0.01
-"""Speed of standstill over the peak speed."""
 _ALWAYS = ("motor_torque", "load_torque")
 
 
@@ -123,7 +120,7 @@ static inline void {n}_online_begin({n}_online *filter) {{
         own = {"velocity": "velocity", "acceleration": "acceleration", "time": "s->time"}
         written = {s: own.get(s, f"s->{self.inputs[s]}" if s in self.inputs else "0.0") for s in model.signals}
         values = [literal(float(value)) for value in model.nonlinear_of(problem.fixed)]
-        width = literal(_REST_WIDTH / _RESTING * problem.resting)
+        width = literal(SHARE_OF_REST / RESTING * problem.resting)
         body = c_lines(
             function,
             [
