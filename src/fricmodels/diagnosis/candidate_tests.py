@@ -52,6 +52,11 @@ class CandidateTest:
         return self.effect.name
 
     @property
+    def size(self) -> int:
+        """Number of the effect's parameters."""
+        return len(self.effect.parameters)
+
+    @property
     def parameters(self) -> dict[str, float]:
         """Estimated parameters by symbol, in SI units."""
         symbols = [p.symbol for p in self.effect.parameters]

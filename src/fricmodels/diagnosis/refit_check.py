@@ -86,7 +86,7 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
     for other in others:
         if other.found.at_search_bound and not first.found.at_search_bound:
             continue
-        error, simple = refits.test_error(other), _parameters(other) <= _parameters(first)
+        error, simple = refits.test_error(other), other.size <= first.size
         repeats = simple and first.effect.depends_on_time and not other.effect.depends_on_time
         margin = 1 + policy.exchange_margin if repeats else 1 - policy.exchange_margin if simple else policy.refit_share
         if error <= margin * least:
@@ -115,10 +115,6 @@ def _with_a_simpler_one(refits: Refits, result: CandidateTests, named: LookAlike
     if leading is None:
         return named
     return LookAlikes(leading, (leading, *(t for t in named.members if t.name != leading.name)))
-
-
-def _parameters(tested: CandidateTest) -> int:
-    return len(tested.effect.parameters)
 
 
 def _helps(refits: Refits, tested: CandidateTest, policy: Policy) -> bool:

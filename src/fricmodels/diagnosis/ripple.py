@@ -70,13 +70,9 @@ def fast_ripple(
         return compare(other.evidence.loss, best.evidence.loss, regression.terms)[1] > policy.alike_significance
 
     alike = [best, *filter(is_alike, tested[1:])]
-    first = min(alike, key=_parameters)  # the simplest
-    others = tuple(t for t in tested if t not in alike and _parameters(t) <= _parameters(first))
+    first = min(alike, key=lambda test: test.size)  # the simplest
+    others = tuple(t for t in tested if t not in alike and t.size <= first.size)
     return FastRipple(waves, LookAlikes(first, (first, *(t for t in alike if t is not first))), others)
-
-
-def _parameters(tested: CandidateTest) -> int:
-    return len(tested.effect.parameters)
 
 
 def _tested(rows: WeakFormProblem, regression: Regression, waves: Waves, leave_out: set[str]) -> list[CandidateTest]:

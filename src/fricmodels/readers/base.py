@@ -57,3 +57,15 @@ class Reader(ABC):
 
     def done(self) -> None:  # noqa: B027
         """Let go of what a table needed, once its columns were taken; most formats need nothing."""
+
+
+class SeveralTables(Reader):
+    """Reads a format that holds several tables: :meth:`table_for` chooses one, by what is asked for."""
+
+    def table(self, path: Path) -> pd.DataFrame:
+        """Return the columns of the most common length."""
+        return self.table_for(path, ())
+
+    @abstractmethod
+    def table_for(self, path: Path, asked: Collection[str]) -> pd.DataFrame:
+        """Return the columns as long as those asked for."""

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fricmodels.errors import InputError
-from fricmodels.readers.base import Reader
+from fricmodels.readers.base import SeveralTables
 from fricmodels.readers.vectors import columns_of, of_one_length
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ GROUP = "group"
 """Column with the name of each row's group, where groups with the same columns are to be the runs of a recording."""
 
 
-class Hdf5Reader(Reader):
+class Hdf5Reader(SeveralTables):
     """HDF5 files: every data set is a column, called by its path, as in ``/run1/velocity``.
 
     Data sets outside of groups, and those of a file that has one group only, are called by their names alone. Columns
@@ -48,10 +48,6 @@ class Hdf5Reader(Reader):
         """Refuse what does not begin as an HDF5 file."""
         if not is_hdf5(path):
             raise InputError(f"{path}: is no HDF5 file; its content begins otherwise")
-
-    def table(self, path: Path) -> pd.DataFrame:
-        """Return the data sets of the most common length as columns."""
-        return self.table_for(path, ())
 
     def table_for(self, path: Path, asked: Collection[str]) -> pd.DataFrame:
         """Return the data sets as long as those asked for."""

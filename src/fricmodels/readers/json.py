@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fricmodels.errors import InputError
-from fricmodels.readers.base import Reader
+from fricmodels.readers.base import SeveralTables
 from fricmodels.readers.vectors import of_one_length, vectors
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ RUN = "run"
 _LINES = (".jsonl", ".ndjson")
 
 
-class JsonReader(Reader):
+class JsonReader(SeveralTables):
     """JSON documents.
 
     Samples are a list of objects, ``[{"t": 0.0, "q": 1.2}, …]``, one object a line, or a list for each name, ``{"t":
@@ -35,10 +35,6 @@ class JsonReader(Reader):
     name = "json"
     suffixes = (".json", *_LINES)
     summary = "JSON: rows of objects or lists, a list for each name, or an object a line"
-
-    def table(self, path: Path) -> pd.DataFrame:
-        """Return the columns of the most common length."""
-        return self.table_for(path, ())
 
     def table_for(self, path: Path, asked: Collection[str]) -> pd.DataFrame:
         """Return the columns as long as those asked for."""

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from fricmodels.errors import InputError
 from fricmodels.readers import hdf5
-from fricmodels.readers.base import Reader
+from fricmodels.readers.base import SeveralTables
 from fricmodels.readers.vectors import kind, of_one_length, vectors
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-class MatlabReader(Reader):
+class MatlabReader(SeveralTables):
     """MATLAB files: every vector is a column.
 
     Fields of structures are called ``structure.field``; the columns of a matrix ``name(1)``, ``name(2)``, … as in
@@ -38,10 +38,6 @@ class MatlabReader(Reader):
             matfile_version(path)
         except Exception as error:
             raise _unreadable(path, error) from None
-
-    def table(self, path: Path) -> pd.DataFrame:
-        """Return the vectors of the most common length as columns."""
-        return self.table_for(path, ())
 
     def table_for(self, path: Path, asked: Collection[str]) -> pd.DataFrame:
         """Return the vectors as long as those asked for."""
