@@ -6,7 +6,7 @@ derive. They import CasADi only when called, so that declaring a law costs nothi
 Two questions have no answer in plain calculus and are settled here for every term alike:
 
 * **The sign at rest.** :func:`positive` and :func:`negative` are the paper's sgn1 and sgn2: ``positive(0) = 1``,
-  ``negative(0) = 0``. Inside :func:`smoothing` they become ``(1 ± tanh(x/w))/2`` of stated width ``w``.
+  ``negative(0) = 0``. Where :func:`rest_treatment` smooths they become ``(1 ± tanh(x/w))/2`` of stated width ``w``.
 * **Powers at rest.** ``|ω|^p`` with ``p < 1`` has an infinite slope at 0; :func:`power` replaces it below the
   width by the chord through the origin, so that its derivative is finite everywhere.
 """

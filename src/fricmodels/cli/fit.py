@@ -55,8 +55,8 @@ def command(
     """Fit a model and keep it in a file, to call, simulate and export.
 
     The fit is that of `compare`; with --objective position its parameters then bring the simulated motion nearest, and
-    the file keeps the --controller through which it was simulated.
-    Files of `sums` may be given in the place of recordings.
+    the file keeps the --controller through which it was simulated. Files of `sums` may be given in the place of
+    recordings.
 
     Python reads the file with `fricmodels.load`; `compare`, `diagnose`, `improve` and `simulate` take it in place of a
     model's name, `export` writes it for other programs.

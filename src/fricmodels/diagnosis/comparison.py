@@ -67,6 +67,7 @@ class Comparison(Displayed):
         errors: RMS torque errors in bands.
         sliding: the error that decisions are made by.
         where: shares of the squared error of the headline by regime of motion.
+        problem: the rows that it was fitted to.
     """
 
     drive: Drive
@@ -100,8 +101,8 @@ class Comparison(Displayed):
 def kept_back(prepared: Recording, how: Split | None = None) -> tuple[Recording, Recording]:
     """Return what is fitted and what is kept back, by the rule of every tournament if no other is asked for.
 
-    See :class:`fricmodels.split.Split`. What remembers
-    does so through both: a block does not begin with a drive that was at rest.
+    See :class:`fricmodels.split.Split`. What remembers does so through both: a block does not begin with a drive that
+    was at rest.
     """
     return split(prepared.remembering(), how)
 

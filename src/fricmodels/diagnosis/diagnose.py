@@ -97,6 +97,8 @@ class Diagnosis(Displayed):
     refused: CandidateTest | None = None
     result: CandidateTests | None = None
     judgement: Judgement | None = None
+    noise: ColouredNoise | None = None
+    ripple: FastRipple | None = None
 
     def judged_by(self, findings: Sequence[Finding]) -> Diagnosis:
         """Return it with the verdict that findings have, as those that a ladder kept: their look-alikes are fewer."""
@@ -110,9 +112,6 @@ class Diagnosis(Displayed):
         channel = "" if self.view is None else self.view.channels
         when = from_when_to_when(self.result, self.view) if self.place is None else ""
         return remaining(self.comparison, channel, self.place, self.refits, self.result.tested, when)
-
-    noise: ColouredNoise | None = None
-    ripple: FastRipple | None = None
 
 
 def diagnose(

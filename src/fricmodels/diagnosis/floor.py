@@ -61,7 +61,7 @@ def share_explained(problem: WeakFormProblem, before: float, left: float, policy
 
 
 def leaves_nothing(problem: WeakFormProblem, before: float, left: float, policy: Policy) -> bool:
-    """Whether what is left of a sum of squares is above noise by less than a gain that counts, see above."""
+    """Whether what is left of a sum of squares is above noise by less than a gain that counts, that of the policy."""
     return share_explained(problem, before, left, policy) >= 1.0 - policy.least_gain
 
 

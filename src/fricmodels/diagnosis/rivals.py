@@ -45,11 +45,11 @@ def is_better(
     """Whether what is in the place of an effect predicts clearly more than it.
 
     It does if it has no more terms: of two such forms the one that explains more is the better one, and no chance is to
-    be allowed for. Otherwise it does if the errors, compared as
-    those of two forecasts, say so (Diebold and Mariano 1995). It also does if it predicts what the effect leaves, and
-    the effect nothing of what it leaves, or next to nothing beside that (Chong and Hendry 1986): where an effect lies
-    within what a channel can be, that is the test of its form, of which the errors tell little. Not so of waves at
-    numbers that were sought: of several in one channel one may be the effect's, and the next another cause's.
+    be allowed for. Otherwise it does if the errors, compared as those of two forecasts, say so (Diebold and Mariano
+    1995). It also does if it predicts what the effect leaves, and the effect nothing of what it leaves, or next to
+    nothing beside that (Chong and Hendry 1986): where an effect lies within what a channel can be, that is the test of
+    its form, of which the errors tell little. Not so of waves at numbers that were sought: of several in one channel
+    one may be the effect's, and the next another cause's.
 
     Args:
         result: the residual.

@@ -14,10 +14,9 @@ class SensorDelay(Effect):
     .. math:: \tau = T\,\dot\tau_m
 
     The first order of a shift, :math:`\tau_m(t - T) = \tau_m(t) - T\dot\tau_m(t) + \dots`. A torque held over a sample
-    of length h by itself gives T = h/2. Estimators fit the first order. Where T is known,
-    scores, simulations and the diagnosis take the whole shift: with T > 0 the motion was recorded late, after motor
-    torque and load torque, with T < 0 only the motor torque was; see
-    :meth:`fricmodels.recording.Recording.retimed`.
+    of length h by itself gives T = h/2. Estimators fit the first order. Where T is known, scores, simulations
+    and the diagnosis take the whole shift: with T > 0 the motion was recorded late, after motor torque and load torque,
+    with T < 0 only the motor torque was; see :meth:`fricmodels.recording.Recording.retimed`.
 
     Source: elementary.
     """

@@ -70,9 +70,9 @@ def difference_noise(log: Log) -> Noise:
     """Return the noise of a measured velocity from its difference to the change of the measured position.
 
     The motion is in both, so that the whole band from an eighth on can be looked at. The tilt is that from the second
-    eighth of the band to the second half; the noise of a position falls towards low
-    frequencies there, and cannot be taken for coloured noise of the velocity. But the counts of a slow drive come one
-    by one, and their error falls with the frequency: where it is most of what is found, nothing is known.
+    eighth of the band to the second half; the noise of a position falls towards low frequencies there, and cannot be
+    taken for coloured noise of the velocity. But the counts of a slow drive come one by one, and their error falls with
+    the frequency: where it is most of what is found, nothing is known.
     """
     position, velocity, time = log.recording["position"], log.recording.velocity, log.recording.time
     if len(time) < _FEWEST * _LENGTH:

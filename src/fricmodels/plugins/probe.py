@@ -2,11 +2,11 @@
 
 Code that hangs or ends the process when it is imported cannot be caught by whoever imports it. So each entry point of
 another distribution is first loaded by a child process with a time limit: import, hooks, one instance of each class,
-and the equations of each law and effect, which every diagnosis builds.
-What the child does not survive is not imported here. Both verdicts are kept in the cache directory, for as long as the
-plugin's files, its distribution and the installed distributions beside it stay what they are: a start with nothing new
-costs a few look-ups. A cache that cannot be read or written means that plugins are tried again, no more. The names that
-a plugin offered are kept beside its verdict: once it breaks, they are known to be its own.
+and the equations of each law and effect, which every diagnosis builds. What the child does not survive is not imported
+here. Both verdicts are kept in the cache directory, for as long as the plugin's files, its distribution and the
+installed distributions beside it stay what they are: a start with nothing new costs a few look-ups. A cache that cannot
+be read or written means that plugins are tried again, no more. The names that a plugin offered are kept beside its
+verdict: once it breaks, they are known to be its own.
 """
 
 from __future__ import annotations

@@ -26,6 +26,8 @@ class Failure:
     """A plugin, or a class of it, that could not be used, and why.
 
     Attributes:
+        plugin, distribution: its name, and what was installed that offers it.
+        reason: why it is left out.
         concerns: kind and name of the class that cannot be used; ``None`` where that is not known.
         lost: kind and name of what the plugin offered when it was last whole and does not any more.
     """

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 _MOSTLY = 0.5
 """A map changes mostly with one quantity when that alone makes this share of its variance."""
 _HARDLY = 0.2
-"""It hardly changes with the other one when that alone makes no more than this."""
+"""It hardly changes with the other one when that alone makes no more than this share of its variance."""
 _LEAST_LINES, _SEVERAL = 6, 4
 """Rows and columns, and cells in each, of which a map has at least as many where words say how it changes."""
 _BRANCH = 3

@@ -152,7 +152,7 @@ def _statistics(effect: Effect, data: DiagnosisDocument) -> list[Block]:
 
 
 def error_words(data: ComparisonDocument) -> str:
-    """Say over which window the torque errors are averaged."""
+    """Name the torque errors, with the window that they are averaged over."""
     return f"RMS torque error {window(data)}".rstrip()
 
 

@@ -36,8 +36,7 @@ def true_torque(rig: Rig, interval: float, motion: Array, load: Array, *, origin
     """Return the motor torque under which the drive follows a motion, shape (N,).
 
     At rest dry friction is left out, which opposes motion and is there to hold, and nine tenths are held of what bent
-    contacts carry.
-    Bristles, ageing contacts and a load behind a joint are followed from rest along the motion.
+    contacts carry. Bristles, ageing contacts and a load behind a joint are followed from rest along the motion.
 
     Args:
         rig: the drive. interval: between two rows [s].

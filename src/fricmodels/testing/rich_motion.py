@@ -26,8 +26,8 @@ def rich_motion(
 ) -> Recording:
     """Simulate a drive under a motor torque of several frequencies and amplitudes.
 
-    Further channels are sums of tones, drawn by the seed. Where the number of the run is
-    asked for there are several runs.
+    Further channels are sums of tones, drawn by the seed. Where the number of the run is asked for there are several
+    runs.
 
     Args:
         drive: the drive; values: its parameters by key.

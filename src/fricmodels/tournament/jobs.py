@@ -43,6 +43,8 @@ class Job:
 
     Attributes:
         key: hash of all that decides the result, the code included; equal keys, equal results.
+        source: the recording and what is known of its drive.
+        model, estimator: by name.
         title: what the estimator is called in the leaderboard.
         settings: of the estimator, as JSON.
         measure: what the score's percentages are of.

@@ -96,10 +96,10 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     So is a speed below which friction differs: the drive is slower than it for no less than that, as it turns. (One
     that may be negative is a part of such a speed.) And so is a length over which a contact bends or a gap is crossed:
     from standstill the drive goes that far in no less than that, and in no less than two counts of a position from
-    which the velocity was derived: where it turned is known to one count on either side.
-    A part on a spring follows the drive where that is slow: there it swings, undamped, at most three times as far, so
-    that its natural frequency is at least √1.5 times that of the slow motion. Nor does it swing from side to side in
-    less than two samples: faster, what it does is when samples were taken.
+    which the velocity was derived: where it turned is known to one count on either side. A part on a spring follows the
+    drive where that is slow: there it swings, undamped, at most three times as far, so that its natural frequency is at
+    least √1.5 times that of the slow motion. Nor does it swing from side to side in less than two samples: faster, what
+    it does is when samples were taken.
     """
     lower, upper = parameter.lower, parameter.upper
     if parameter.dimension == TIME and not (parameter.instant or parameter.delay):

@@ -128,7 +128,8 @@ def counts_of(recording: Recording, sizes: tuple[Array, Array], unexplained: flo
 def row_sizes(recording: Recording, inertia: float, width: int) -> tuple[Array, Array] | None:
     """Return the RMS that noise of the velocity leaves in a row that begins at each sample, and noise of the torque.
 
-    Shape (N,) each, in the row's own file, the second at the recording's own interval; ``None`` as above.
+    Shape (N,) each, in the row's own file, the second at the recording's own interval; ``None`` where all runs have one
+    rate and alike noise.
     """
     relative, which = relative_intervals(recording), alike_samples(recording)
     if which is None and np.all(relative == 1.0):

@@ -60,7 +60,7 @@ def _cells(width: int, over_cells: bool) -> tuple[Array, Array]:
 
 
 class TestFunctions:
-    """TestFunctions of one width along a recording, an eighth of their width apart.
+    """Test functions of one width along a recording, an eighth of their width apart.
 
     Args:
         recording: gives the stretches without a gap.

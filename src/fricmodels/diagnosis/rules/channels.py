@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from fricmodels.diagnosis.rules.rule import Rules, rule
-
-_INF = float("inf")
 
 
 @dataclass(frozen=True)
@@ -21,7 +20,7 @@ class ChannelRules(Rules):
         "Found on six drives: 0.27 to 0.92 where both are there, 0.003 and 0.02 where the effect lies within a channel "
         "but for a hat that is not seen. Without the rule two right names of 408 rough drives are lost, and one wrong "
         "name of 44 drives of our rig with the true effect off the list.",
-        off=_INF,
+        off=math.inf,
     )
     own_size: float = rule(
         0.1,
@@ -29,7 +28,7 @@ class ChannelRules(Rules):
         "And if it has so much of its size there. So has one beside one of two channels in its place.",
         "Found on our rig: without it two more of 66 drives with the true effect off the list have a wrong name, with "
         "0.007 and 0.03 of its size. On 200 rough drives those that are there have 0.25 to 1.4, on five.",
-        off=-_INF,
+        off=-math.inf,
     )
     outpredicted_significance: float = rule(
         0.1,
@@ -63,7 +62,7 @@ class ChannelRules(Rules):
         "Beside an effect that is no course of time only a walk counts for which the record speaks so clearly.",
         "Statistic: 5 % where nothing walks. Without it, and with a walk that never comes back, two of 27 single "
         "effects were lost, an offset beside coloured noise and a contact that bends (docs/decisions/unknown.md).",
-        off=-_INF,
+        off=-math.inf,
     )
     own_share: float = rule(
         0.5,
@@ -74,7 +73,7 @@ class ChannelRules(Rules):
         "Judgement: the threshold of naming against silence; docs/decisions/unknown.md draws its curve. Of waves off "
         "the list on 24 drives of the rig 7 got a wrong name without the second part, none with it, and no wave lost "
         "its own; of EMPS's, which has 0.88 of any wave, that is a quarter (docs/decisions/fast-ripple.md).",
-        off=-_INF,
+        off=-math.inf,
     )
     of_channel: float = rule(
         0.97,
@@ -106,7 +105,7 @@ class ChannelRules(Rules):
         "share of the squared residual",
         "A channel joins the description of the rest if it lowers the residual by this.",
         "Judgement: equal to least_gain; never switched off alone in a benchmark.",
-        off=_INF,
+        off=math.inf,
     )
     kept: float = rule(
         0.5,
@@ -126,7 +125,7 @@ class ChannelRules(Rules):
         "share of the residual",
         "The past of the motor torque is a predictor only where the noise of the torque is below this.",
         "Physical: else it predicts its own noise.",
-        off=_INF,
+        off=math.inf,
     )
     line_share: float = rule(
         0.02,
@@ -134,7 +133,7 @@ class ChannelRules(Rules):
         "A frequency over the time is a channel where the residual has so much of its power there.",
         "Judgement: below least_gain, of which it must explain the more once it is tested. Without the channel a pump "
         "at 1.7 Hz was an inertia of 2422 kg beside 600.",
-        off=_INF,
+        off=math.inf,
     )
     line_of_motion: float = rule(
         0.03,
@@ -142,7 +141,7 @@ class ChannelRules(Rules):
         "But not where velocity or direction have so much of theirs, and stand out: what a model gets wrong of a "
         "motion has its frequencies.",
         "Found on three logs with a pump, which moves the drive itself with less, and one clean drive with more.",
-        off=_INF,
+        off=math.inf,
     )
     line_stands_out: float = rule(
         10.0,

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from fricmodels.diagnosis.rules.rule import Rules, rule
-
-_INF = float("inf")
 
 
 @dataclass(frozen=True)
@@ -31,14 +30,14 @@ class LadderRules(Rules):
         "An added effect is removed if, with all others in the model, it gains no more than this, or the test error is "
         "no higher without it.",
         "Judgement: half of least_gain, since it has passed that once.",
-        off=-_INF,
+        off=-math.inf,
     )
     removal_loss: float = rule(
         0.05,
         "share of the test error",
         "But not if the test error without it rises by more than this.",
         "Judgement: equal to least_gain.",
-        off=_INF,
+        off=math.inf,
     )
     constancy_significance: float = rule(
         0.001,
@@ -53,7 +52,7 @@ class LadderRules(Rules):
         "share of the effect",
         "And if it differs by more than this.",
         "Judgement: what is half as large again elsewhere is doubtful.",
-        off=_INF,
+        off=math.inf,
     )
     exchange_margin: float = rule(
         0.025,

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from fricmodels.diagnosis.rules.rule import Rules, rule
-
-_INF = float("inf")
 
 
 @dataclass(frozen=True)
@@ -25,7 +24,7 @@ class NamingRules(Rules):
         "factor of the RMS torque left",
         "An effect is dropped if the model with it leaves so many times as much over all motion.",
         "Judgement: standstill is known roughly only, so that nothing less than a doubling counts.",
-        off=_INF,
+        off=math.inf,
     )
     sampling_leaves: float = rule(
         0.0003,
@@ -56,7 +55,7 @@ class NamingRules(Rules):
         "one a look-alike that leaves so many times the test error, fitted beside all others, or of noise.",
         "Judgement: with little data no test tells even such a difference. Where every simpler effect is fitted, "
         "the ladder of `fricmodels demo` takes a quarter more time and ends the same.",
-        off=_INF,
+        off=math.inf,
     )
     contained: float = rule(
         0.01,

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from fricmodels.diagnosis.rules.rule import Rules, rule
-
-_INF = float("inf")
 
 
 @dataclass(frozen=True)
@@ -25,7 +24,8 @@ class PassingRules(Rules):
         0.01,
         "probability",
         "So must a name with what repeats with the motion counted once; the search for it goes without.",
-        "Statistic: as above. Without it 14 of 88 names on 90 logs of another engineer were wrong, with it 6 of 80.",
+        "Statistic: the chance of any false name, too. "
+        "Without it 14 of 88 names on 90 logs of another engineer were wrong, with it 6 of 80.",
         off=1.1,
     )
     least_gain: float = rule(
@@ -37,7 +37,7 @@ class PassingRules(Rules):
         "An effect is named, too, with which no more than this is left of squared printed errors far above noise.",
         "Judgement: what an effect must be worth to have a place in a model. Printed errors have to fall by it since a "
         "drive with nothing hidden had a name with 1.45 % before and after; of 113 rough drives no answer changes.",
-        off=-_INF,
+        off=-math.inf,
     )
     effect_gain_significance: float = rule(
         0.1,
@@ -65,21 +65,21 @@ class PassingRules(Rules):
         "share of the RMS torque",
         "An effect below least_torque passes if it takes away this much over all motion, standstill included.",
         "Found on rough drives: up to 0.016 with nothing hidden, 160 of them; from 0.02 on what is not there passes.",
-        off=_INF,
+        off=math.inf,
     )
     noise_share: float = rule(
         0.05,
         "squared share",
         "An effect cannot be tested if noise of the velocity makes up more than this of the torque that it adds.",
         "Physical: the same noise is in the inertia torque, so that noise explains up to this share of a residual.",
-        off=_INF,
+        off=math.inf,
     )
     noise_share_of_explained: float = rule(
         0.5,
         "factor",
         "Or more than so many times the share of the squared residual that it explains.",
         "Judgement: at least half of what is explained cannot come from noise.",
-        off=_INF,
+        off=math.inf,
     )
 
     driving_friction: float = rule(
@@ -87,7 +87,7 @@ class PassingRules(Rules):
         "share of the work that the friction takes",
         "A part of the friction is refused if the friction that is fitted with it drives the joint by more than this.",
         "Physical: friction drives by nothing; the rest is for errors of the estimate. It is zero on 45 rough drives.",
-        off=_INF,
+        off=math.inf,
     )
     own_torque: float = rule(
         10.0,
@@ -96,5 +96,5 @@ class PassingRules(Rules):
         "cancels it, and only their sum is known.",
         "Physical: a spring may balance gravity ten to one. Of 82 effects of rough drives the largest has 1.8. Without "
         "it one of 408 ladders ended with two waves of 4000 that cancel, and eight times the error on another motion.",
-        off=_INF,
+        off=math.inf,
     )

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from fricmodels.diagnosis.rules.rule import Rules, rule
-
-_INF = float("inf")
 
 
 @dataclass(frozen=True)
@@ -34,7 +33,7 @@ class RefitRules(Rules):
         "Found on a simulated bench test of a motor: with a stick torque of 148 N m, in samples that no row has, the "
         "fit error rose from 10 to 171 %. On 69 rough drives with a cause hidden it acts in three, and changes no "
         "answer.",
-        off=_INF,
+        off=math.inf,
     )
     refit_gain: float = rule(
         0.05,
@@ -67,7 +66,7 @@ class RefitRules(Rules):
         "Judgement: the least size of what is looked for. Of 110 drives of the rig with the true effect off the list "
         "five were adequate, with 1.0 to 2.2 predicted (p < 1e-7) beside errors of 3 to 12 that sampling makes. With "
         "nothing hidden none of 200 rough drives is unknown for it (three have any such part, 0.5 to 1.04).",
-        off=_INF,
+        off=math.inf,
     )
     far_above_noise: float = rule(
         5.0,
@@ -75,7 +74,7 @@ class RefitRules(Rules):
         "An error is far above noise if it exceeds the noise floor by this (root of a difference of squares), without "
         "what sampling hides. Without any finding the verdict is then unknown-effect, not adequate.",
         "Found on our rig: on 800 drives with nothing hidden standstill leaves up to 3.6.",
-        off=_INF,
+        off=math.inf,
     )
     large_error: float = rule(
         10.0,
@@ -84,7 +83,7 @@ class RefitRules(Rules):
         "sampling hides.",
         "Found on 226 drives of two makes with nothing hidden: up to 7.5 is left there. Without it an axis whose scale "
         "has play is adequate at 39 %.",
-        off=_INF,
+        off=math.inf,
     )
     large_of_noise: float = rule(
         5.0,
@@ -114,7 +113,7 @@ class RefitRules(Rules):
         "factor of the RMS torque error",
         "And to this share. So must its product with the printed one where it rises, or a delay within the free shift.",
         "Found on our rig: on the same drives none lowers it to less than 0.9.",
-        off=_INF,
+        off=math.inf,
     )
     window_may_rise: float = rule(
         1.01,
@@ -128,7 +127,7 @@ class RefitRules(Rules):
         "squared share",
         "An effect found over all motion is not considered if more than this share of it lies within the weak form.",
         "Judgement: the weak form has tested it already.",
-        off=_INF,
+        off=math.inf,
     )
     refit_trials: int = rule(
         3,

@@ -69,6 +69,7 @@ class Samples:
 
     Attributes:
         comparison: where they come from.
+        joined: its two parts in the order of the whole.
         recording: all channels, in order; ``run`` numbers uninterrupted pieces.
         place: time on the axis of a figure; runs whose times overlap stand one after another.
         consecutive: whether they do.
