@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricmodels.weakform import split
+from fricmodels.weakform import cell_loops
 from fricmodels.weakform.unclear import widened
 
 
@@ -29,7 +29,7 @@ def test_speeds_that_are_equal_but_for_last_digits_are_equal(seed: int) -> None:
 
     def marked(velocity: np.ndarray) -> np.ndarray:
         found = np.empty(400, dtype=bool)
-        split.hidden_turns(velocity, run, 0.01, none, none - 1.0, none + 1.0, found)
+        cell_loops.hidden_turns(velocity, run, 0.01, none, none - 1.0, none + 1.0, found)
         return found
 
     exact = marked(velocity)

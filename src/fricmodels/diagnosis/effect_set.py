@@ -17,6 +17,7 @@ from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.verdict import LookAlikes, select_effect
 from fricmodels.term import Effect
 from fricmodels.weakform.acting import acting
+from fricmodels.weakform.directions import tangent, usual_step
 from fricmodels.weakform.regression import Regression, compare
 from fricmodels.weakform.shifted import regression_of
 
@@ -328,11 +329,10 @@ def columns_and_tangents(result: CandidateTests, tested: CandidateTest) -> Array
     problem, found = result.problem, tested.found
     alone = problem.alone(tested.effect)
     stacked = [found.columns]
+
+    def torque(columns: Array, _: Array) -> Array:
+        return np.asarray(tested.evidence.coefficients @ columns[found.kept])
+
     for i, value in enumerate(found.nonlinear):
-        step = 1e-4 * abs(value) or 1e-6
-        ends = []
-        for moved in (value - step, value + step):
-            columns, _ = problem.columns(alone, (*found.nonlinear[:i], moved, *found.nonlinear[i + 1 :]))
-            ends.append(tested.evidence.coefficients @ columns[found.kept])
-        stacked.append(((ends[1] - ends[0]) / (2 * step))[None])
+        stacked.append(tangent(problem, alone, found.nonlinear, i, usual_step(value), torque)[None])
     return np.vstack(stacked)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from fricmodels.arrays import Array
+from fricmodels.drive import Drive
 from fricmodels.weakform.problem import WeakFormProblem
 
 _NOTHING = 1e-9
@@ -35,14 +36,37 @@ def base_directions(problem: WeakFormProblem, parameters: Mapping[str, float]) -
     stacked = [columns[free]]
     for i, value in enumerate(nonlinear):
         # An instant is a stair with a step at each sample, and what the clock says no size.
-        step = problem.recording.interval if chosen[i].declared.instant else _STEP * abs(value) or 1e-6
-        ends = []
-        for moved in (value - step, value + step):
-            design, offset = problem.columns(drive, [*nonlinear[:i], moved, *nonlinear[i + 1 :]])
-            ends.append(theta @ design + offset)
-        change = (ends[1] - ends[0]) / (2 * step)
+        step = problem.recording.interval if chosen[i].declared.instant else usual_step(value)
+        change = tangent(problem, drive, nonlinear, i, step, lambda design, offset: theta @ design + offset)
         if np.linalg.norm(change) * step > _NOTHING * _STEP * whole:
             stacked.append(change[None])
     if drive.inertia is None:
         stacked.append(problem.momentum[None])
     return np.vstack(stacked)
+
+
+def usual_step(value: float) -> float:
+    """Return how far a nonlinear parameter is moved for its tangent, to either side."""
+    return _STEP * abs(value) or 1e-6
+
+
+def tangent(
+    problem: WeakFormProblem,
+    drive: Drive,
+    nonlinear: Sequence[float],
+    i: int,
+    step: float,
+    torque: Callable[[Array, Array], Array],
+) -> Array:
+    """Return how a torque in the rows changes with a nonlinear parameter, by its central difference, shape (rows,).
+
+    Args:
+        problem, drive: whose rows they are, and of which terms.
+        nonlinear: their nonlinear parameters.
+        i: which of them.
+        step: to either side.
+        torque: of the columns and of what is left without them.
+    """
+    moved = ([*nonlinear[:i], nonlinear[i] + side * step, *nonlinear[i + 1 :]] for side in (-1, 1))
+    before, after = (torque(*problem.columns(drive, values)) for values in moved)
+    return (after - before) / (2 * step)

@@ -60,7 +60,7 @@ class Quadrature:
             resting: samples of no use, shape (N,).
             jump: of the motor torque; as its reversals show it if not given.
         """
-        from fricmodels.weakform.split import split_cells
+        from fricmodels.weakform.cell_loops import split_cells
 
         step, joined = cells_of(recording)
         moving, half, cell = ~resting, np.empty(len(step)), np.empty(len(step), dtype=np.int64)
@@ -171,7 +171,7 @@ class Quadrature:
         Args:
             torque: motor torque less load torque at the samples, shape (N,).
         """
-        from fricmodels.weakform.split import bent_about
+        from fricmodels.weakform.cell_loops import bent_about
 
         through = (self.half_step > 0.0) & (self.before + self.after > (1.0 - 1e-9) * self.half_step)
         if self.jump:
@@ -209,7 +209,7 @@ class Quadrature:
     @cached_property
     def bending(self) -> Array:
         """What is added of :attr:`cubic`: nothing where the cell or a neighbour is split, rests or is missing."""
-        from fricmodels.weakform.split import where_whole
+        from fricmodels.weakform.cell_loops import where_whole
 
         weights = np.empty_like(self.cubic)
         where_whole(self.half, self.cubic, weights)
@@ -223,7 +223,7 @@ def _cubic(recording: Recording) -> Array:
     With the mean of the second derivatives at both ends of the cell. The middle weight is zero where all cells are
     equal, but for rounding.
     """
-    from fricmodels.weakform.split import bending_of
+    from fricmodels.weakform.cell_loops import bending_of
 
     step, _ = cells_of(recording)
     weights = np.empty((3, max(len(step) - 2, 0)))

@@ -51,10 +51,10 @@ def hidden_turns(recording: Recording, smooth: Array, error: float, limits: tupl
     it on in one direction, beyond what friction holds. Otherwise it may have stuck, or turned twice, in between. So it
     may where both velocities are zero as far as can be told.
     """
-    from fricmodels.weakform import split
+    from fricmodels.weakform import cell_loops
 
     marked = np.empty(len(recording), dtype=bool)
     least, most = limits
     push = recording.driving_torque
-    split.hidden_turns(smooth, recording.run, CERTAIN * error, push, least, most, marked)
+    cell_loops.hidden_turns(smooth, recording.run, CERTAIN * error, push, least, most, marked)
     return marked
