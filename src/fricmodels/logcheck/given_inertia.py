@@ -11,7 +11,7 @@ import numpy as np
 from fricmodels.logcheck import clock
 from fricmodels.logcheck.balance import CLUSTERS, Balance
 from fricmodels.logcheck.finding import Finding, Severity
-from fricmodels.logcheck.rates import as_scaled, decades, units_of, velocity_scale
+from fricmodels.logcheck.rates import as_scaled, decades, ratio_to_position, units_of
 from fricmodels.logcheck.view import Log
 from fricmodels.results.words import figures
 from fricmodels.signals.clusters import LEVEL, PROBABLE, certain, slope
@@ -154,7 +154,7 @@ def _of_channel(log: Log, given: float, found: Told) -> Finding | None:
         f"the torque asks for an inertia of {figures(found.size, 3)} where {figures(given, 3)} is given, a ratio of "
         f"{figures(apart, 3)}"
     )
-    scale = velocity_scale(log)
+    scale = ratio_to_position(log)
     if scale is not None and decades(scale) and found.fits(given / scale):
         return Finding(
             "unit",
@@ -226,7 +226,7 @@ def _position_beside(log: Log, unit: str) -> list[tuple[str, str]]:
     """Return in which unit the position is beside a velocity in that unit; nothing where it is in rad or m."""
     if "position" not in log.measured:
         return []
-    scale = velocity_scale(log)
+    scale = ratio_to_position(log)
     if scale is None or abs(scale - 1.0) < _SAME:
         return [("position", {"deg/s": "deg", "rpm": "turn", "mm/s": "mm", "turn/s": "turn"}[unit])]
     return [("position", angle) for angle, speed in units_of(log, scale) if speed == unit and angle != "rad"][:1]

@@ -264,7 +264,7 @@ def as_scaled(log: Log, rate: str, scale: float) -> str:
     return log.option(rate, f"{10.0**-power:g} {unit}" if power and unit and not unit[0].isdigit() else "UNIT")
 
 
-def velocity_scale(log: Log) -> float | None:
+def ratio_to_position(log: Log) -> float | None:
     """Return how many times the change of the position the velocity is; ``None`` where it does not follow it."""
     if not {"position", "velocity"} <= set(log.measured):
         return None
