@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.report.figures.style import Figure, graph_objects, recolouring
 from fricmodels.weakform.prepared import ready
 
 Compared = Callable[..., Comparison]
@@ -67,3 +69,18 @@ def comparison(request: pytest.FixtureRequest, compared: Compared) -> Comparison
 def rotary(compared: Compared) -> Comparison:
     """The same on a rotary drive."""
     return compared(moved())
+
+
+def recoloured(figure: Figure, theme: Mapping[str, str]) -> Figure:
+    """Return a copy of a figure in other colours, as the script of a page makes it."""
+    go = graph_objects()
+    return go.Figure(_replaced(figure.to_plotly_json(), recolouring(theme), coloured=False))
+
+
+def _replaced(value: Any, colours: Mapping[str, str], *, coloured: bool) -> Any:
+    """Return a tree of settings in which the colours below any key that speaks of colour are replaced."""
+    if isinstance(value, dict):
+        return {key: _replaced(each, colours, coloured=coloured or "color" in key) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_replaced(each, colours, coloured=coloured) for each in value]
+    return colours.get(value, value) if coloured and isinstance(value, str) else value

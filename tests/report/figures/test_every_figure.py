@@ -8,7 +8,6 @@ import re
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from fricmodels import plugins
@@ -18,11 +17,11 @@ from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.report import figures
-from fricmodels.report.figures import DARK, LIGHT, recoloured
+from fricmodels.report.figures import DARK, LIGHT
 from fricmodels.report.figures.residuals import changing
 from fricmodels.results.diagnosis import Candidate
 
-from .conftest import INERTIA, moved
+from .conftest import INERTIA, moved, recoloured
 
 UNIT = re.compile(r"\[[^\]]+\]$")
 HOSTILE = "<script>alert(1)</script> $x$"
@@ -43,7 +42,6 @@ CANDIDATES = [
     Candidate(name=name, p_value=0.01, share_of_residual=0.2, held_out_gain=gain, gates=gain > 0.1)
     for name, gain in (("cogging", 0.4), ("stribeck", 0.05), (HOSTILE, -0.1))
 ]
-TABLE = pd.DataFrame([[3, 1], [0, 4]], index=["cogging", HOSTILE], columns=["cogging", "nothing"])
 
 
 @pytest.fixture(scope="module", params=list(Motion))
@@ -74,7 +72,6 @@ def every(request, compared) -> dict[str, Any]:
         "ladder": figures.ladder(steps),
         "parameter_history": figures.parameter_history(fit),
         "leaderboard": figures.leaderboard(ROWS),
-        "confusion": figures.confusion(TABLE),
         **maps,
     }
 
@@ -87,7 +84,6 @@ def axes(figure: Any) -> dict[str, Any]:
 NAMES_ONLY = {
     ("leaderboard", "yaxis"),
     ("error_shares", "yaxis"),
-    ("confusion", "yaxis"),
     ("ladder", "yaxis"),
     ("candidates", "yaxis"),
 }

@@ -101,11 +101,3 @@ def test_a_fit_without_history_says_what_to_do():
     fit = plugins.load().estimators["batch"]().fit(drive, moved())
     with pytest.raises(InputError, match="sequential estimator"):
         figures.parameter_history(fit)
-
-
-def test_the_confusion_matrix_shows_counts_and_shares():
-    table = pd.DataFrame([[3, 1], [0, 0]], index=["cogging", "drift"], columns=["cogging", "nothing"])
-    heat = figures.confusion(table).data[0]
-    assert [list(each) for each in heat.text] == [["3", "1"], ["", ""]]
-    assert heat.z[0].tolist() == [75.0, 25.0]
-    assert np.all(np.isnan(heat.z[1]))

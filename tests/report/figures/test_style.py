@@ -12,7 +12,7 @@ import pytest
 
 from fricmodels.dimension import ACCELERATION, FORCE, INERTIA, Motion
 from fricmodels.errors import InputError
-from fricmodels.report.figures import DARK, LIGHT, ladder, recoloured
+from fricmodels.report.figures import DARK, LIGHT, ladder
 from fricmodels.report.figures.style import (
     SERIES,
     escaped,
@@ -23,6 +23,8 @@ from fricmodels.report.figures.style import (
     unit_of,
     words,
 )
+
+from .conftest import recoloured
 
 TEXT = ("text", "muted")
 LINES = ("measured", "blue", "green", "vermillion", "axis")

@@ -18,9 +18,9 @@ from fricmodels.report.figures.residuals import residual_map
 from fricmodels.report.figures.shares import error_shares
 from fricmodels.report.figures.spectrum import residual_spectrum
 from fricmodels.report.figures.steps import ladder
-from fricmodels.report.figures.style import DARK, LIGHT, recoloured
+from fricmodels.report.figures.style import DARK, LIGHT
 from fricmodels.report.figures.time_course import beyond_axes, drawn_samples, overlay, worst_stretch
-from fricmodels.report.figures.tournament import confusion, leaderboard
+from fricmodels.report.figures.tournament import leaderboard
 
 __all__ = [
     "DARK",
@@ -29,7 +29,6 @@ __all__ = [
     "SINCE_REVERSAL",
     "beyond_axes",
     "candidates",
-    "confusion",
     "correlation",
     "coverage",
     "drawn_samples",
@@ -43,7 +42,6 @@ __all__ = [
     "line",
     "overlay",
     "parameter_history",
-    "recoloured",
     "residual_map",
     "residual_spectrum",
     "simulated_motion",

@@ -286,23 +286,3 @@ def styled(figure: Figure, title: str, subtitle: str = "", height: int = 420) ->
 def recolouring(theme: Mapping[str, str]) -> dict[str, str]:
     """Return which colour is to be replaced by which, whatever theme a figure has now."""
     return {old[part]: new for part, new in theme.items() for old in (LIGHT, DARK)}
-
-
-def recoloured(figure: Figure, theme: Mapping[str, str]) -> Figure:
-    """Return a copy of a figure in the colours of :data:`LIGHT` or :data:`DARK`.
-
-    Args:
-        figure: of this package.
-        theme: colour of each part.
-    """
-    go = graph_objects()
-    return go.Figure(_replaced(figure.to_plotly_json(), recolouring(theme), coloured=False))
-
-
-def _replaced(value: Any, colours: Mapping[str, str], *, coloured: bool) -> Any:
-    """Return a tree of settings in which the colours below any key that speaks of colour are replaced."""
-    if isinstance(value, dict):
-        return {key: _replaced(each, colours, coloured=coloured or "color" in key) for key, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [_replaced(each, colours, coloured=coloured) for each in value]
-    return colours.get(value, value) if coloured and isinstance(value, str) else value

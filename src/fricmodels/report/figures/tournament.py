@@ -1,4 +1,4 @@
-"""Pictures of many fits: the leaderboard, and the confusion matrix of the hidden-effect challenge."""
+"""The picture of many fits: the leaderboard."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from fricmodels.errors import InputError
 from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_objects, logarithmic, series, styled
@@ -166,37 +164,3 @@ def _records(rows: Sequence[Mapping[str, Any]] | pd.DataFrame) -> Sequence[Mappi
 
 def _number(value: Any) -> bool:
     return value is not None and math.isfinite(value)
-
-
-def confusion(table: pd.DataFrame) -> Figure:
-    """Draw how often each hidden effect was named as which.
-
-    Args:
-        table: counts; rows are the hidden effects, columns what was named.
-    """
-    counts = table.to_numpy(dtype=float)
-    totals = counts.sum(axis=1, keepdims=True)
-    share = np.divide(100 * counts, totals, out=np.zeros_like(counts), where=totals > 0)
-    hidden, named = ([escaped(name) for name in axis] for axis in (table.index, table.columns))
-    figure = graph_objects().Figure(
-        graph_objects().Heatmap(
-            x=named,
-            y=hidden,
-            z=np.where(counts > 0, share, np.nan).astype(np.float32),
-            text=[[f"{value:.0f}" if value else "" for value in row] for row in counts],
-            texttemplate="%{text}",
-            textfont={"size": 10, "color": LIGHT["text"]},
-            customdata=counts.astype(np.float32),
-            zmin=0,
-            zmax=100,
-            colorscale=[[0, LIGHT["few"]], [1, LIGHT["some"]]],
-            showscale=False,
-            xgap=1,
-            ygap=1,
-            hoverongaps=False,
-            hovertemplate="hidden: %{y}<br>named: %{x}<br>%{customdata:.0f} times, %{z:.0f} %<extra></extra>",
-        )
-    )
-    figure.update_xaxes(title_text="named effect [count]", tickangle=-90, showgrid=False)
-    figure.update_yaxes(title_text="hidden effect", autorange="reversed", showgrid=False, dtick=1)
-    return styled(figure, "What hidden effects were named", "", 220 + 22 * len(hidden))
