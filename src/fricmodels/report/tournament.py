@@ -6,7 +6,6 @@ import json
 import math
 import shlex
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,6 +36,7 @@ from fricmodels.tournament.leaderboard import HELD_OUT, Leaderboard
 from fricmodels.tournament.origin import Origin
 
 if TYPE_CHECKING:
+    from fricmodels.report.figures.tournament import Entry
     from fricmodels.results.history import ParameterHistory
     from fricmodels.tournament.sources import Source
 
@@ -50,17 +50,6 @@ MOST_TABLES = 40
 """Datasets that have a table each."""
 _WHO = ("model", "estimator", "dataset")
 _MADE_OF = "The tournament: data, versions, how to reproduce"
-
-
-@dataclass(frozen=True)
-class Entrant:
-    """A model with an estimator, over recordings and seeds; errors in percent, infinite where fits failed."""
-
-    model: str
-    estimator: str
-    low: float
-    middle: float
-    high: float
 
 
 def page(board: Leaderboard, origin: Origin | None, directory: Path) -> Page:
@@ -96,15 +85,11 @@ def sections(board: Leaderboard, origin: Origin | None, directory: Path) -> list
     return [*found, made_of(origin, directory)]
 
 
-def entrants(board: Leaderboard) -> list[Entrant]:
+def entrants(board: Leaderboard) -> list[Entry]:
     """Return every model with every estimator, the smallest median error first."""
     from fricmodels.report.figures.tournament import entries
 
-    found = [
-        Entrant(model, estimator, entry.low, entry.middle, entry.high)
-        for (model, estimator), entry in entries(board.rows, board.figure).items()
-    ]
-    return sorted(found, key=lambda each: each.middle)
+    return sorted(entries(board.rows, board.figure).values(), key=lambda each: each.middle)
 
 
 def verdict(board: Leaderboard) -> Verdict:
@@ -136,7 +121,7 @@ def verdict(board: Leaderboard) -> Verdict:
     return Verdict(sentence, "warn" if board.failures else "good", details)
 
 
-def _places(board: Leaderboard, first: Entrant) -> str:
+def _places(board: Leaderboard, first: Entry) -> str:
     """Say on how many recordings the winner by the median is first, and its worst place; nothing with only one."""
     groups: dict[tuple[str, str], list[Row]] = {}
     for row in board.summary():

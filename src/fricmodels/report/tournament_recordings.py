@@ -12,7 +12,7 @@ from fricmodels.errors import FricmodelsError
 from fricmodels.report.page import Block, Fold, Gallery, Heading, Section, Words
 from fricmodels.report.wording import counted, listed, percent
 from fricmodels.score.bands import Band, Errors
-from fricmodels.tournament.leaderboard import HELD_OUT, Leaderboard
+from fricmodels.tournament.leaderboard import FITTED, HELD_OUT, Leaderboard
 from fricmodels.tournament.origin import Origin
 
 if TYPE_CHECKING:
@@ -29,7 +29,6 @@ MOST_MODELS = 2
 """Models that are drawn beside the best, on each recording."""
 MOST_SAMPLES = 1_000_000
 """Of a longer recording only the best model is drawn."""
-_FITTED = "rms_torque_error_percent"
 
 
 def identity(dataset: str, tags: Mapping[str, Any]) -> str:
@@ -76,7 +75,7 @@ def _dataset(dataset: str, rows: Sequence[Row], source: Source | None, origin: O
     from fricmodels.report.pictures import by_regime, curve, marks, over_time
 
     first = rows[0]
-    figure = HELD_OUT if first.get(HELD_OUT) is not None else _FITTED
+    figure = HELD_OUT if first.get(HELD_OUT) is not None else FITTED
     tags = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in first["tags"].items())
     others = [f"{row['model']} {percent(row.get(figure))}" for row in rows[1:4]]
     words = f"Best here: {_best_here(rows)}"
@@ -108,7 +107,7 @@ def _dataset(dataset: str, rows: Sequence[Row], source: Source | None, origin: O
 
 def _best_here(rows: Sequence[Row]) -> str:
     first = rows[0]
-    error = first.get(HELD_OUT) if first.get(HELD_OUT) is not None else first.get(_FITTED)
+    error = first.get(HELD_OUT) if first.get(HELD_OUT) is not None else first.get(FITTED)
     return f"{first['model']} with {first['estimator']}, {percent(error)} torque error"
 
 
@@ -149,7 +148,7 @@ def _errors(row: Row) -> Errors:
     figures = {
         "window_ms": None,
         "SI": row.get("rms_torque_error"),
-        "percent": row[_FITTED],
+        "percent": row[FITTED],
         "held_out_SI": row.get("held_out_rms_torque_error"),
         "held_out_percent": row.get(HELD_OUT),
         "noise_floor_percent": None,

@@ -21,6 +21,7 @@ from fricmodels.tournament.written_rows import WrittenRows
 FILE = "leaderboard.json"
 AGAIN = "fricmodels run CONFIG.yaml --out DIR"
 HELD_OUT = "held_out_rms_torque_error_percent"
+FITTED = "rms_torque_error_percent"
 HELD = 5000
 """Rows of a leaderboard that a tournament holds in memory; beyond that they are read from its file."""
 
@@ -68,7 +69,7 @@ class Leaderboard(Displayed):
     def figure(self) -> str:
         """The torque error that there is: held out, or of what was fitted."""
         held_out = any(row[HELD_OUT] is not None for row in self.rows)
-        return HELD_OUT if held_out or not self.rows else "rms_torque_error_percent"
+        return HELD_OUT if held_out or not self.rows else FITTED
 
     def summary(self, rank_by: str | None = None) -> list[Row]:
         """Summarise a column (the torque error) over seeds: median, quartiles, and how many ended well.
@@ -93,8 +94,8 @@ class Leaderboard(Displayed):
                     "seeds": len(rows),
                     "ok": sum(row["status"] == "ok" for row in rows),
                     "median": finite(median(values)),
-                    "lower_quartile": finite(_quantile(values, 0.25)),
-                    "upper_quartile": finite(_quantile(values, 0.75)),
+                    "lower_quartile": finite(quantile(values, 0.25)),
+                    "upper_quartile": finite(quantile(values, 0.75)),
                     "median_seconds": median(seconds) if seconds else None,
                 }
             )
@@ -134,7 +135,7 @@ def standing(row: Row, rank_by: str) -> tuple[bool, float]:
     return bad, math.inf if bad or value is None else float(value)
 
 
-def _quantile(ordered: Sequence[float], fraction: float) -> float:
+def quantile(ordered: Sequence[float], fraction: float) -> float:
     """Return a quantile of sorted values, interpolated; infinite values stay infinite."""
     position = fraction * (len(ordered) - 1)
     below, above = math.floor(position), math.ceil(position)

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 from fricmodels.errors import InputError
 from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_objects, logarithmic, series, styled
+from fricmodels.tournament.leaderboard import FITTED, HELD_OUT, quantile
 
 if TYPE_CHECKING:
     import pandas as pd
 
-HELD_OUT = "held_out_rms_torque_error_percent"
-FITTED = "rms_torque_error_percent"
 _MOST_MODELS = 30
 _LABEL, _LINE, _GAP = 17, 13, 15
 """Pixels of a name, of the line of an estimator, and between models."""
@@ -27,11 +26,14 @@ class Entry:
     """One model with one estimator, over recordings and seeds.
 
     Attributes:
+        model, estimator: by name.
         low, middle, high: quartiles of the torque error [%]; where as many fits failed, the median is infinite, and
             the upper quartile is the worst that did not fail.
         fits, failed: how many there are.
     """
 
+    model: str
+    estimator: str
     low: float
     middle: float
     high: float
@@ -52,9 +54,9 @@ def entries(rows: Sequence[Mapping[Any, Any]], column: str) -> dict[tuple[str, s
     found = {}
     for key, values in groups.items():
         ordered, failed = sorted(values), sum(math.isinf(value) for value in values)
-        low, middle, high = (_quantile(ordered, share) for share in (0.25, 0.5, 0.75))
+        low, middle, high = (quantile(ordered, share) for share in (0.25, 0.5, 0.75))
         worst = ordered[len(ordered) - failed - 1] if failed < len(ordered) else math.inf
-        found[key] = Entry(low, middle, min(high, worst), len(values), failed)
+        found[key] = Entry(*key, low, middle, min(high, worst), len(values), failed)
     return found
 
 
@@ -146,14 +148,6 @@ def _measured(rows: Sequence[Mapping[Any, Any]], column: str) -> str:
     reference = "K_I" if measures == {"paper"} else "RMS torque"
     part = "test error" if column == HELD_OUT else "fit error"
     return f"{part} [% of {reference}]"
-
-
-def _quantile(ordered: Sequence[float], share: float) -> float:
-    """Return a quantile of sorted values, interpolated; between a finite and an infinite one it is infinite."""
-    position = share * (len(ordered) - 1)
-    below = ordered[math.floor(position)]
-    above = ordered[math.ceil(position)]
-    return below if below == above else below + (position - math.floor(position)) * (above - below)
 
 
 def _records(rows: Sequence[Mapping[str, Any]] | pd.DataFrame) -> Sequence[Mapping[Any, Any]]:
