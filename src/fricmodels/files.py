@@ -129,3 +129,13 @@ def write_listed(path: Path, content: Mapping[str, Any], name: str, items: Itera
             stream.write(text)
         stream.write(b"\n ]\n}\n" if places else b"]\n}\n")
     return places
+
+
+def check_table_name(path: Path) -> None:
+    """Refuse a file of a table whose name says no format.
+
+    Raises:
+        InputError: for another suffix than .csv or .parquet.
+    """
+    if path.suffix not in (".csv", ".parquet"):
+        raise InputError(f"cannot write '{path}': the name must end in .csv or .parquet")

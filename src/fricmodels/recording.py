@@ -26,6 +26,7 @@ from fricmodels.dimension import (
 )
 from fricmodels.display import Displayed
 from fricmodels.errors import InputError
+from fricmodels.results.words import lacks
 
 CHANNELS: Mapping[str, Dimension] = {
     "time": TIME,
@@ -279,8 +280,7 @@ class Recording(Displayed):
                 continue
             if channel not in self.channels:
                 raise InputError(
-                    f"'{wanted_by}' needs the channel '{channel}', which recording '{self.name}' does not have; "
-                    f"map a column with --column {channel}=COLUMN[:UNIT] or leave that model out"
+                    f"'{wanted_by}' needs the channel '{channel}', {lacks(channel, self.name)} or leave that model out"
                 )
 
     def select(self, mask: NDArray[Any] | slice, name: str | None = None) -> Recording:

@@ -78,12 +78,10 @@ def check_score(
         InputError: saying what to change.
     """
     from fricmodels.errors import InputError
+    from fricmodels.results.words import lacks
 
     if score is Score.POSITION and not recording.measures("position"):
-        raise InputError(
-            f"the position is needed, which recording '{recording.name}' does not have; "
-            f"map a column with --column position=COLUMN[:UNIT]"
-        )
+        raise InputError(f"the position is needed, {lacks('position', recording.name)}")
     for name, given in (("--horizon", horizon), ("--controller", controller)):
         if given is not None and score is not Score.POSITION:
             raise InputError(f"{name} goes with {option} position")

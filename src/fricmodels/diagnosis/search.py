@@ -16,6 +16,8 @@ from fricmodels.diagnosis.refits import Refits, is_undetermined, is_void
 from fricmodels.diagnosis.verdict import LookAlikes
 from fricmodels.progress import stage
 
+_NO_BETTER = "the test error does not fall with it"
+
 
 class Search:
     """The search for the effects that a model lacks.
@@ -81,7 +83,7 @@ class Search:
             if not step:
                 refused = self.diagnosis.refused
                 if refused is not None:
-                    self.note = f"'{refused.name}' was found, but the test error does not fall with it"
+                    self.note = f"'{refused.name}' was found, but {_NO_BETTER}"
                 return
             for diagnosis, rung in self._lowering(step):
                 self.rungs.append(rung)
@@ -107,7 +109,7 @@ class Search:
         if kept < len(fitted):
             name = fitted[kept][1].added
             self._superfluous.add(name)
-            why = "fitted to all of the motion it is nothing" if void[kept] else "the test error does not fall with it"
+            why = "fitted to all of the motion it is nothing" if void[kept] else _NO_BETTER
             self.note = f"'{name}' was found, but {why}"
         return fitted[:kept]
 

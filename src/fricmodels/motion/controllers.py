@@ -14,6 +14,7 @@ from fricmodels.expressions import Expression
 from fricmodels.loop import Loop
 from fricmodels.parameter import Parameter, State
 from fricmodels.recording import OTHER
+from fricmodels.results.words import lacks
 from fricmodels.term import Parameters, Signals
 
 Kind: TypeAlias = Literal["position-gain", "pd", "speed-loop"]
@@ -308,7 +309,4 @@ def check_controller(controller: Controller | PluginController, channels: frozen
     """
     for channel in controller.channels:
         if channel not in channels:
-            raise InputError(
-                f"the controller follows the channel '{channel}', which recording '{name}' does not have; "
-                f"map a column with --column {channel}=COLUMN[:UNIT]"
-            )
+            raise InputError(f"the controller follows the channel '{channel}', {lacks(channel, name)}")

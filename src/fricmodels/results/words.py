@@ -21,6 +21,11 @@ MORE_MOTION = "record longer, with more strokes, or with less noise"
 """The way out of a recording that moves too little."""
 
 
+def lacks(channel: str, recording: str) -> str:
+    """Return that a recording does not have a channel, and what to do."""
+    return f"which recording '{recording}' does not have; map a column with --column {channel}=COLUMN[:UNIT]"
+
+
 def without_gaps(pieces: int, stretch: int) -> str:
     """Return the way out of a recording that gaps cut into pieces of some samples, where a stretch takes more."""
     return (

@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from fricmodels.errors import InputError
-from fricmodels.files import replaced, write_bytes, write_text
+from fricmodels.files import check_table_name, replaced, write_bytes, write_text
 from fricmodels.readers.standard_names import STANDARD
 from fricmodels.recording import Recording
 
@@ -22,8 +21,7 @@ def write(recording: Recording, out: str | Path) -> tuple[Path, Path]:
     import pandas as pd
 
     path = Path(out)
-    if path.suffix not in (".csv", ".parquet"):
-        raise InputError(f"cannot write '{path}': the name must end in .csv or .parquet")
+    check_table_name(path)
     truth = path.with_suffix(".truth.json")
     table = pd.DataFrame({STANDARD[recording.motion][name]: values for name, values in recording.channels.items()})
     if recording.run[-1] > 0:

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from fricmodels.arrays import rms
-from fricmodels.errors import InputError
-from fricmodels.files import replaced
+from fricmodels.files import check_table_name, replaced
 from fricmodels.readers.standard_names import STANDARD
 from fricmodels.recording import OTHER, Recording
 from fricmodels.saved.fitted import FittedModel
@@ -83,8 +82,7 @@ def write_recording(recording: Recording, out: Path) -> Path:
     """
     import pandas as pd
 
-    if out.suffix not in (".csv", ".parquet"):
-        raise InputError(f"cannot write '{out}': the name must end in .csv or .parquet")
+    check_table_name(out)
     names = STANDARD[recording.motion]
     table = pd.DataFrame({names.get(name, name): values for name, values in recording.channels.items()})
     if len(recording.run_numbers) > 1:

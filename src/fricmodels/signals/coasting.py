@@ -18,6 +18,7 @@ _SAMPLES = 4
 """In a piece, at the least."""
 _SLOWS = 0.95
 """RMS speed over the second half of a run, of that over its first half, up to which it coasts."""
+PER_INERTIA = "a drive that coasts tells friction per inertia only"
 
 
 def coasting(recording: Recording, inertia: float | None) -> Recording:
@@ -42,8 +43,7 @@ def coasting(recording: Recording, inertia: float | None) -> Recording:
         return recording if beside is None else beside
     source, way_out = recording.provenance.get("source", recording.name), "map the column that drives the motion"
     if inertia is None:
-        reason = "a drive that coasts tells friction per inertia only"
-        raise InputError(f"{source}: the torque is zero throughout; {way_out}, or give --inertia: {reason}")
+        raise InputError(f"{source}: the torque is zero throughout; {way_out}, or give --inertia: {PER_INERTIA}")
     means = [_means(run) for run in recording.runs()]
     if not _slows(means):
         raise InputError(f"{source}: the torque is zero throughout, yet the drive does not slow down; {way_out}")

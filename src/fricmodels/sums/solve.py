@@ -8,6 +8,7 @@ from fricmodels.arrays import Array, deviations
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.results.words import stretches_of_motion
+from fricmodels.signals.coasting import PER_INERTIA
 from fricmodels.sums.summed import Sums
 from fricmodels.weakform.estimate import Estimate
 from fricmodels.weakform.identification import not_identified
@@ -46,10 +47,7 @@ def solved(sums: Sums, inertia: float | None = None) -> Estimate:
         )
     squares = float(sums.whole[0, 0]) or float((inertia or 0.0) ** 2 * sums.whole[1, 1])  # of the push, or the inertia
     if not squares:
-        raise InputError(
-            "the torque of these sums is zero throughout: a drive that coasts tells friction per inertia only; give "
-            "--inertia"
-        )
+        raise InputError(f"the torque of these sums is zero throughout: {PER_INERTIA}; give --inertia")
     rows = _rows_of(sums.whole)
     equations = _equations(sums, drive, rows)
     linear = [p for p in drive.parameters if p.linear]
