@@ -23,7 +23,7 @@ from fricmodels.report import of_run, story
 from fricmodels.report.motion import simulated
 from fricmodels.report.page import Block, Code, Equations, Fold, Gallery, Page, Picture, Table, Words
 from fricmodels.report.render import render
-from fricmodels.report.sections import error_words, found
+from fricmodels.report.sections import error_title, found
 from fricmodels.results.comparison import LogFinding
 from fricmodels.results.diagnosis import DiagnosisDocument, Remaining
 from fricmodels.rig.demonstration import hidden
@@ -143,7 +143,7 @@ def test_made_from_the_files_the_page_is_the_same(page: Page, folder: Path) -> N
     assert again.tiles == page.tiles
     assert cells(again).keys() == cells(page).keys()
     assert cells(again)["coulomb-viscous+cogging+stribeck"] == cells(page)["coulomb-viscous+cogging+stribeck"]
-    words = error_words(DiagnosisDocument.read(folder / "diagnosis.json", ""))
+    words = error_title(DiagnosisDocument.read(folder / "diagnosis.json", ""))
     ladders = [drawn(each, "ladder-steps").table for each in (again, page)]
     assert ladders[0] == ladders[1]
     assert ladders[0] is not None

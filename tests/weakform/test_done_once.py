@@ -16,7 +16,7 @@ from fricmodels.memory import Memory
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.signals import velocity_noise
-from fricmodels.weakform.cases import as_held, with_or_without_shift
+from fricmodels.weakform.cases import fitted_as_held, with_or_without_shift
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.predicted_velocity import wandering_level
 from fricmodels.weakform.problem import WeakFormProblem
@@ -88,7 +88,7 @@ def test_no_variance_makes_a_shift_evident_that_could_not_be(problem: WeakFormPr
         assert could_be_shifted(fits[0]) or not evident
         if samples < 0.25:
             assert all(log_odds_of_held(fit, reversals=False) <= np.log(5.0) + 1e-9 for fit in fits)
-            assert all(as_held(fit) is None for fit in fits)
+            assert all(fitted_as_held(fit) is None for fit in fits)
     assert not could_be_shifted(shifted(0.0, 1.0))
     assert could_be_shifted(shifted(0.9, 1.0))
 

@@ -128,7 +128,7 @@ def taken(comparisons: Sequence[Comparison], found: Sequence[Judged]) -> Compari
 def show_motion(console: Any, found: Sequence[Judged], horizon: int | None, interval: float, closed: bool) -> None:
     """Print the simulated errors of each model on what was kept back."""
     from fricmodels.dimension import DISPLACEMENT
-    from fricmodels.motion.document import error_words, how
+    from fricmodels.motion.document import how, motion_words
     from fricmodels.terminal import Column, show_table
 
     motion, held = found[0].rung.drive.motion, found[0].kept.between_samples == "held"
@@ -144,7 +144,7 @@ def show_motion(console: Any, found: Sequence[Judged], horizon: int | None, inte
     show_table(console, columns, "RMS error of the simulated motion on what was kept back")
     for each in found:
         if (each.chosen or len(found) == 1) and each.test is not None:
-            words = error_words(each.test, motion)
+            words = motion_words(each.test, motion)
             console.print(f"{each.rung.name}, refitted to the motion: {words}.", markup=False, highlight=False)
 
 

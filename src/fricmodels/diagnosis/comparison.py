@@ -32,7 +32,7 @@ from fricmodels.term import Effect
 from fricmodels.weakform.estimate import Estimate
 from fricmodels.weakform.prepared import ready
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.row_noise import noise_like
+from fricmodels.weakform.row_noise import velocity_noise_like
 
 _AS_GOOD = 1.01
 """Errors that differ by less than a hundredth are those of one optimum."""
@@ -240,7 +240,7 @@ def noise_torques(recording: Recording, inertia: float, half_width: int, draw: i
 @once
 def _filtered_noise(recording: Recording, half_width: int, draw: int) -> tuple[float, float]:
     """Return the noise of the acceleration and of the torque that is left in filtered signals."""
-    like = noise_like(recording, np.random.default_rng(draw))
+    like = velocity_noise_like(recording, np.random.default_rng(draw))
     rate = float(np.std(lanczos_value(recording.time, like, half_width, recording.run, order=1)))
     return rate, torque_noise(recording).after(even_weights(half_width)[0])
 

@@ -26,7 +26,7 @@ def how(horizon: int | None, interval: float, *, closed: bool = False, held: boo
     return f"{what}, anew from the measured state every {horizon} samples ({horizon * interval:.3g} s)"
 
 
-def error_words(errors: MotionErrors, motion: Motion) -> str:
+def motion_words(errors: MotionErrors, motion: Motion) -> str:
     """Say how far off a simulated motion is."""
     unit = DISPLACEMENT.unit(motion)
     if not math.isfinite(errors.velocity):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from fricmodels.dimension import DISPLACEMENT, Motion
 from fricmodels.errors import InputError
-from fricmodels.motion.document import error_words, how
+from fricmodels.motion.document import how, motion_words
 from fricmodels.report.figure_tables import points_of
 from fricmodels.report.page import Block, Fold, Picture, Section, Words, table
 from fricmodels.report.pictures import beyond_words, drawn
@@ -101,7 +101,7 @@ def motion_section(found: Sequence[Judged]) -> Section:
         held=simulator.between_samples == "held",
     )
     by = "the parameters that the torque gave" if shown.fit is None else "parameters fitted to the motion"
-    sentence = f"{shown.rung.name}, simulated {what}, with {by}: {error_words(errors, motion)}, on test data."
+    sentence = f"{shown.rung.name}, simulated {what}, with {by}: {motion_words(errors, motion)}, on test data."
     figure = figures.simulated_motion(shown)
     sentence += f" {drawn(*figures.drawn_samples(figure))}"
     blocks: list[Block] = [

@@ -151,7 +151,7 @@ def _statistics(effect: Effect, data: DiagnosisDocument) -> list[Block]:
     return blocks
 
 
-def error_words(data: ComparisonDocument) -> str:
+def error_title(data: ComparisonDocument) -> str:
     """Name the torque errors, with the window that they are averaged over."""
     return f"RMS torque error {window(data)}".rstrip()
 
@@ -174,7 +174,7 @@ def ladder(data: DiagnosisDocument, picture: Picture | None) -> Section:
     rows = [
         (rung.model, _step(rung), percent(rung.rms_percent), percent(rung.held_out_rms_percent)) for rung in data.ladder
     ]
-    shown = table(f"{error_words(data)}, in % of the RMS {data.reference}", titles, rows)
+    shown = table(f"{error_title(data)}, in % of the RMS {data.reference}", titles, rows)
     blocks: list[Block] = [
         Words(
             "Each step adds the effect that explains the residual best and fits all parameters again. It stays only if "

@@ -71,7 +71,7 @@ def _simplest(odds: list[float], *, at_model_velocity: bool) -> int:
     return chosen
 
 
-def as_held(found: Solved) -> Solved | None:
+def fitted_as_held(found: Solved) -> Solved | None:
     """Return the fit with a held torque, if there is strong evidence for that and against any other shift.
 
     There is none for a shift that is nearer to none than to half a sample: with the least variances that instants may

@@ -15,7 +15,7 @@ from fricmodels.arrays import Array, deviations
 from fricmodels.recording import Recording
 from fricmodels.signals import velocity_noise
 from fricmodels.signals.lanczos import even_weights
-from fricmodels.weakform.cases import as_held
+from fricmodels.weakform.cases import fitted_as_held
 from fricmodels.weakform.feedback import feedback
 from fricmodels.weakform.hidden import drowned, sign_is_hidden
 from fricmodels.weakform.inference import is_contradicted
@@ -161,7 +161,7 @@ def _with_its_torque(found: Solved) -> tuple[Solved, tuple[Solved, ModelVelocity
     Noise of 10 % in the velocity weakens every row; on the rows alone some torque was taken for held that was not. A
     velocity predicted with the torque at the wrong time is worse by far more than chance.
     """
-    plain, held = _begin(found), as_held(found)
+    plain, held = _begin(found), fitted_as_held(found)
     if held is None:
         return found, plain
     other = _begin(held)

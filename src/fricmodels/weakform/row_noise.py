@@ -34,7 +34,7 @@ NOISE_SHARE, NOISE_SHARE_WHERE_ALL_COUNT = 0.01, 0.005
 row need be clear of uncertain motion, a wide bump loses no rows, and it is widened until that is half as much."""
 
 
-def noise_like(recording: Recording, rng: np.random.Generator) -> Array:
+def velocity_noise_like(recording: Recording, rng: np.random.Generator) -> Array:
     """Return noise as the velocity has it, shape (N,): where it was derived, the derivative of the position's."""
     if not recording.derived_over:
         return velocity_noise(recording).like(len(recording), rng)
@@ -50,7 +50,7 @@ def noisier(recording: Recording, smooth: Array, half_width: int) -> tuple[Array
         smooth: its smoothed velocity, shape (N,).
         half_width: of the filter that smoothed it.
     """
-    noise = noise_like(recording, np.random.default_rng(0))
+    noise = velocity_noise_like(recording, np.random.default_rng(0))
     time, run = recording.time, recording.run
     moved = smooth + lanczos_derivative(time, noise, half_width, run)[0]
     acceleration = lanczos_derivative(time, recording.velocity + noise, half_width, run)[1]
@@ -72,7 +72,7 @@ def _noise_of_cells(recording: Recording) -> Array:
     """Return noise as the velocity has it whose changes are the momentum, shape (N,): always the same."""
     rng = np.random.default_rng(0)
     if not recording.derived_over:
-        return noise_like(recording, rng)
+        return velocity_noise_like(recording, rng)
     return mean_velocity(recording, motion_noise(recording).like(len(recording), rng))
 
 

@@ -20,7 +20,7 @@ from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.signals.integrated import from_zero
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.row_noise import noise_like
+from fricmodels.weakform.row_noise import velocity_noise_like
 from fricmodels.weakform.staircase import errors_of_staircase
 
 _DRAWS = 16
@@ -65,7 +65,7 @@ def _errors_of_position(recording: Recording) -> Array:
     """Return errors that the integral of the velocity may have, of mean zero in each run, shape (draws, N)."""
     errors = errors_of_staircase(recording)
     if not len(errors):
-        errors = np.array([noise_like(recording, np.random.default_rng(draw)) for draw in range(_DRAWS)])
+        errors = np.array([velocity_noise_like(recording, np.random.default_rng(draw)) for draw in range(_DRAWS)])
     found = np.array([from_zero(recording, error) for error in errors])
     for number in recording.run_numbers:
         inside = recording.run == number
