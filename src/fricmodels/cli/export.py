@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from fricmodels.cli.measurement import Column, Format, GapsOption, Linear, TorqueConstant
+from fricmodels.cli.measurement import Column, Format, GapsOption, Linear, Reading, TorqueConstant, linear_of
 
 
 def command(
@@ -49,7 +49,6 @@ def command(
     from fricmodels.cli.boundary import one_line
     from fricmodels.cli.outputs import check_outputs
     from fricmodels.cli.printing import warn
-    from fricmodels.dimension import Motion
     from fricmodels.errors import InputError
     from fricmodels.export.targets import export_model
     from fricmodels.files import write_text
@@ -59,14 +58,8 @@ def command(
         raise InputError("--armature is written into an MJCF: give --to mjcf and --into ROBOT.xml, or leave it out")
     check_outputs([out], [model, into, *(data or ())])
     kept = load(model)
-    recording = None
-    if data:
-        from fricmodels.readers import read_together
-
-        motion = Motion.LINEAR if linear or kept.motion is Motion.LINEAR else None
-        recording = read_together(
-            data, columns=column or (), motion=motion, reader=reader, torque_constant=torque_constant, gaps=gaps
-        )
+    reading = Reading(column, torque_constant, reader, linear, gaps)
+    recording = reading.read(data, linear_of(kept)) if data else None
     text = None
     if into is not None:
         try:

@@ -17,6 +17,7 @@ from fricmodels.cli.measurement import (
     Inertia,
     Linear,
     ModelName,
+    Reading,
     TorqueConstant,
     Trust,
     load,
@@ -68,7 +69,8 @@ def command(
         how = {"columns": column or (), "reader": reader, "torque_constant": torque_constant}
         _by_sums(data, model, out, inertia, linear, trust, gaps, how)
         return
-    given = load(data, model, column, torque_constant, reader, linear, None, inertia, trust, gaps)
+    reading = Reading(column, torque_constant, reader, linear, gaps)
+    given = load(data, model, reading, inertia=inertia, trust=trust)
     check_score(objective, given.recording, horizon, controller, option="--objective")
     by_position = objective is Score.POSITION
     control = controller_for(controller, given.recording, given.file if by_position else None)

@@ -8,7 +8,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fricmodels.cli.measurement import Column, Data, Format, GapsOption, Inertia, Linear, Out, TorqueConstant, say_gaps
+from fricmodels.cli.measurement import (
+    Column,
+    Data,
+    Format,
+    GapsOption,
+    Inertia,
+    Linear,
+    Out,
+    Reading,
+    TorqueConstant,
+    say_gaps,
+)
 
 if TYPE_CHECKING:
     from fricmodels.logcheck import Summary
@@ -38,18 +49,13 @@ def command(
     """
     from fricmodels.cli.outputs import check_outputs
     from fricmodels.cli.printing import working
-    from fricmodels.dimension import Motion
     from fricmodels.files import write_text
     from fricmodels.logcheck import summary
     from fricmodels.progress import watched
-    from fricmodels.readers import read_together
 
     check_outputs([] if out is None else [out / "info.json"], data)
-    motion = Motion.LINEAR if linear else None
     with working(f"reading {data[0].name}") as say, watched(say):
-        recording = read_together(
-            data, columns=column or (), motion=motion, reader=reader, torque_constant=torque_constant, gaps=gaps
-        )
+        recording = Reading(column, torque_constant, reader, linear, gaps).read(data)
         say(f"looking at {len(recording)} samples")
         found = _with_clear_motion(summary(recording, inertia), recording, inertia)
     say_gaps(recording)

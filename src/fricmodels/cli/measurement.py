@@ -16,6 +16,7 @@ from fricmodels.cli.quantities import inertia as inertia_of
 from fricmodels.gaps import Gaps
 
 if TYPE_CHECKING:
+    from fricmodels.dimension import Motion
     from fricmodels.loop import Loop
     from fricmodels.model import Model
     from fricmodels.recording import Recording
@@ -95,17 +96,46 @@ class Loaded:
         return {} if self.file is None else found_of(self.file)
 
 
+@dataclass(frozen=True)
+class Reading:
+    """How a recording is read, as the options of a command say."""
+
+    column: list[str] | None
+    torque_constant: float | None
+    reader: str | None
+    linear: bool
+    gaps: Gaps | None
+
+    def read(self, data: Sequence[Path], motion: Motion | None = None) -> Recording:
+        """Read files as one recording; ``motion`` is that of a model's file, if it is to be taken."""
+        from fricmodels.dimension import Motion
+        from fricmodels.readers import read_together
+
+        return read_together(
+            data,
+            columns=self.column or (),
+            motion=Motion.LINEAR if self.linear else motion,
+            reader=self.reader,
+            torque_constant=self.torque_constant,
+            gaps=self.gaps,
+        )
+
+
+def linear_of(file: FittedModel | None) -> Motion | None:
+    """Return the motion of a linear axis where a model's file is of one."""
+    from fricmodels.dimension import Motion
+
+    return Motion.LINEAR if file is not None and file.motion is Motion.LINEAR else None
+
+
 def load(
     data: Sequence[Path],
     model: str,
-    columns: list[str] | None,
-    torque_constant: float | None,
-    reader: str | None,
-    linear: bool,
+    reading: Reading,
+    *,
     leave_out: list[str] | None = None,
-    inertia: float | None = None,
-    trust: bool = False,
-    gaps: Gaps | None = None,
+    inertia: float | None,
+    trust: bool,
     fixed: bool = False,
 ) -> Loaded:
     """Read the recording and the model that the options name; warn of what is the matter with the recording.
@@ -119,12 +149,10 @@ def load(
     from fricmodels import plugins
     from fricmodels.cli.answers import check_computable
     from fricmodels.cli.printing import warn, working
-    from fricmodels.dimension import Motion
     from fricmodels.errors import InputError
     from fricmodels.logcheck import checked
     from fricmodels.model import Model
     from fricmodels.progress import watched
-    from fricmodels.readers import read_together
     from fricmodels.tournament.jobs import check_plugins
 
     file = of_file(model)
@@ -146,11 +174,8 @@ def load(
     check_plugins(chosen.name)
     for effect in leave_out or ():
         plugins.load().effects.entry(effect)
-    motion = Motion.LINEAR if linear or (file is not None and file.motion is Motion.LINEAR) else None
     with working(f"reading {data[0].name}") as say, watched(say):
-        recording = read_together(
-            data, columns=columns or (), motion=motion, reader=reader, torque_constant=torque_constant, gaps=gaps
-        )
+        recording = reading.read(data, linear_of(file))
     say_gaps(recording)
     check_computable(recording, inertia)
     if file is not None and file.motion is not recording.motion:
@@ -275,7 +300,8 @@ def measured(*without: str, writes: Sequence[str]) -> Callable[[Callable[[Measur
             from fricmodels.cli.answers import answered
 
             check_outputs([report, *(out / name for name in writes if out is not None)], [*data, model, controller])
-            given = load(data, model, column, torque_constant, reader, linear, leave_out, inertia, trust, gaps, fixed)
+            reading = Reading(column, torque_constant, reader, linear, gaps)
+            given = load(data, model, reading, leave_out=leave_out, inertia=inertia, trust=trust, fixed=fixed)
             check(report)
             check_score(score, given.recording, horizon, controller)
             loop = loop_of(controller, given.recording, given.file if score is Score.POSITION else None)

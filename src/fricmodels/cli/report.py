@@ -14,6 +14,7 @@ from fricmodels.cli.measurement import (
     Inertia,
     LeaveOut,
     Linear,
+    Reading,
     TorqueConstant,
     Trust,
     effects_left_out,
@@ -68,7 +69,8 @@ def command(
     page = out or Path(f"{first.stem}.html")
     check_outputs([page], [*target, model])
     check(page)
-    given = load(target, model, column, torque_constant, reader, linear, leave_out, inertia, trust, gaps)
+    reading = Reading(column, torque_constant, reader, linear, gaps)
+    given = load(target, model, reading, leave_out=leave_out, inertia=inertia, trust=trust)
     recording, chosen = given.recording, given.model
     from fricmodels.cli.answers import Stopped, answered, so_far
     from fricmodels.cli.printing import console

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import typer
 
-from fricmodels.cli.measurement import Column, Format, GapsOption, TorqueConstant
+from fricmodels.cli.measurement import Column, Format, GapsOption, Reading, TorqueConstant
 
 
 def command(
@@ -65,7 +64,7 @@ def command(
             raise InputError("a fitted model has no noise, and no seed; leave --seed out")
         if between_samples is not None and reference:
             raise InputError("--between-samples is about a recorded torque; with --reference there is none")
-        how = {"columns": column or (), "torque_constant": torque_constant, "reader": reader, "gaps": gaps}
+        how = Reading(column, torque_constant, reader, False, gaps)
         _fitted(rig, torque or reference or [], how, out, closed=bool(reference), between_samples=between_samples)
         return
     if torque or reference or between_samples is not None:
@@ -95,7 +94,7 @@ def command(
 def _fitted(
     path: Path,
     data: list[Path],
-    how_read: Mapping[str, Any],
+    reading: Reading,
     out: Path,
     *,
     closed: bool,
@@ -103,7 +102,6 @@ def _fitted(
 ) -> None:
     from fricmodels.cli.printing import print_line, working
     from fricmodels.progress import steps, watched
-    from fricmodels.readers import read_together
     from fricmodels.saved import load
     from fricmodels.saved.controlled import closed_loop
     from fricmodels.saved.driven import driven, errors_in_words, write_recording
@@ -114,7 +112,7 @@ def _fitted(
         watched(say),
         steps(f"reading, simulating and writing with {path.name}", 3) as done,
     ):
-        recording = read_together(data, motion=model.motion, **how_read)
+        recording = reading.read(data, model.motion)
         done()
         if closed:
             simulated, how = closed_loop(model, recording), "closed loop"
