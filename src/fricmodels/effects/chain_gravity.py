@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Self
-
 from fricmodels.effects.of_channel import OfChannel
 from fricmodels.expressions import Expression, cos, sin
 from fricmodels.parameter import Parameter
-from fricmodels.recording import Recording
 from fricmodels.results.experiments import OUT_OF_STEP
 from fricmodels.term import Parameters, Signals
 
@@ -30,6 +26,7 @@ class ChainGravity(OfChannel):
     formula = "τ = a·cos q·cos x + b·cos q·sin x + c·sin q·cos x + d·sin q·sin x"
     signature = "once a turn in the sum of this angle and another one"
     needs_motion = "this joint and another one move over a wide range"
+    with_angle = True
     units = frozenset({"rad"})
     angular = True
     separated_from = {"gravity": OUT_OF_STEP, "other-gravity": "this joint moved over a wider range"}
@@ -37,11 +34,6 @@ class ChainGravity(OfChannel):
     b = Parameter("b", unit="N m", meaning="torque in proportion to cos q sin x")
     c = Parameter("c", unit="N m", meaning="torque in proportion to sin q cos x")
     d = Parameter("d", unit="N m", meaning="torque in proportion to sin q sin x")
-
-    @classmethod
-    def candidates(cls, recording: Recording) -> Sequence[Self]:
-        """Return the effect of each angle, where this joint's was recorded."""
-        return super().candidates(recording) if "position" in recording else []
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
         """Return a cos q cos x + b cos q sin x + c sin q cos x + d sin q sin x."""

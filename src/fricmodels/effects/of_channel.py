@@ -27,6 +27,8 @@ class OfChannel(Effect):
 
     units: ClassVar[frozenset[str]] = frozenset()
     """SI units of the channels that it may be of; of any if empty."""
+    with_angle: ClassVar[bool] = False
+    """Whether it is a candidate only where this joint's angle was recorded."""
 
     symmetry = "even"
     absent = "the recording has no further channel of its kind"
@@ -66,6 +68,8 @@ class OfChannel(Effect):
     @classmethod
     def candidates(cls, recording: Recording) -> Sequence[Self]:
         """Return the effect of each further channel whose unit fits."""
+        if cls.with_angle and "position" not in recording:
+            return []
         found = [(name.removeprefix(OTHER), recording.units.get(name, "")) for name in recording.further]
         return [cls(name, unit) for name, unit in found if not cls.units or unit in cls.units]
 

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Self
-
 from fricmodels.effects.of_channel import OfChannel
 from fricmodels.expressions import Expression, cos, sin
 from fricmodels.parameter import Parameter
-from fricmodels.recording import RATE, Recording
+from fricmodels.recording import RATE
 from fricmodels.results.experiments import OUT_OF_STEP
 from fricmodels.term import Parameters, Signals
 
@@ -33,16 +30,12 @@ class ProximalCoupling(OfChannel):
     signature = "in proportion to the acceleration of another joint and its squared speed, turned by this joint's angle"
     needs_motion = "the joint before moves, and this one over a wide range"
     separated_from = {"inertia-error": OUT_OF_STEP, "other-inertia": "this joint moved over a wider range"}
+    with_angle = True
     units = frozenset({"rad/s"})
     angular = True
     c = Parameter("c", unit="N m", per="x", meaning="torque per unit of dx/dt")
     a = Parameter("a", unit="N m", per="x", meaning="the same, in proportion to cos q")
     b = Parameter("b", unit="N m", per="x", meaning="the same, in proportion to sin q")
-
-    @classmethod
-    def candidates(cls, recording: Recording) -> Sequence[Self]:
-        """Return the effect of each velocity, where this joint's angle was recorded."""
-        return super().candidates(recording) if "position" in recording else []
 
     def signals_of(self, channel: str) -> tuple[str, ...]:
         """Return the rate of the channel, and itself."""
