@@ -161,6 +161,25 @@ def test_words_in_brackets_that_may_be_a_unit_are_told(tmp_path):
     assert "unread_units" not in given.provenance
 
 
+@pytest.mark.parametrize(
+    ("given", "is_told"),
+    [("rad/s", True), ("deg/s", True), ("rpm", False), ("rev/min", False), ("rpm/50", False), ("-rpm", False)],
+)
+def test_a_unit_that_the_name_contradicts_is_told(tmp_path, given, is_told):
+    """The unit that is asked for counts, and a number in it is meant; a name that states another one is told."""
+    path = log(tmp_path, "t_ms,tau_Nm,speed_rpm")
+    found = read(path, columns=["time=t_ms", "torque=tau_Nm", f"velocity=speed_rpm:{given}"])
+    said = [str(finding) for finding in findings(found) if "its name states 'rpm'" in str(finding)]
+    assert len(said) == is_told
+
+
+def test_a_current_in_another_unit_than_its_name_states_is_told(tmp_path):
+    path = log(tmp_path, "t_ms,i_mA,speed_rpm")
+    columns = ["time=t_ms", "current=i_mA:A", "velocity=speed_rpm"]
+    told = read(path, columns=columns, torque_constant=0.1).provenance["unread_units"]
+    assert told == {"current": "its name states 'mA'"}
+
+
 def test_a_name_that_ends_in_a_unit_of_something_else_is_told() -> None:
     """A velocity in a column ``vel_deg`` may be in deg/s; a torque in ``alpha_deg`` is an angle."""
     assert contradicting("vel_deg", "velocity") == "deg"

@@ -276,15 +276,18 @@ def overlooked_columns(found: Mapping[str, Column], present: Sequence[str]) -> d
 
 
 def unread_units(found: Mapping[str, Column]) -> dict[str, str]:
-    """Return by channel what is the matter with the unit that the name of a column without one may state, in words."""
-    plain = {channel: column.column for channel, column in found.items() if not column.unit and channel != "run"}
+    """Return by channel what is the matter with the unit that the name of a column states or may state, in words."""
     said = {}
-    for channel, name in plain.items():
-        if channel.startswith(OTHER):
+    for channel, column in found.items():
+        if channel == "run" or channel.startswith(OTHER):
             continue
-        if words := doubtful(name):
+        stated = _stated_size(column.column, channel)
+        if column.unit:
+            if stated is not None and units.differ(stated, column.unit, channel):
+                said[channel] = f"its name states '{stated}'"
+        elif words := doubtful(column.column):
             said[channel] = f"'({words})' is not known as a unit"
-        elif unit := contradicting(name, channel):
+        elif unit := contradicting(column.column, channel):
             said[channel] = f"'{unit}', in which its name ends, does not measure it"
     return said
 

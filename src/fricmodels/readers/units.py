@@ -27,6 +27,8 @@ from fricmodels.recording import CHANNELS, word
 
 _NOT_MECHANICAL = {"temperature": "degC", "current": "A"}
 _COUNT = re.compile(r"\bcounts?\b")
+_OWN_SIZE = re.compile(r"(?<![\^*])\d|\bpi\b|^\s*-")
+"""A number that is no exponent, or a sign: what says how large a unit is."""
 
 
 @dataclass(frozen=True)
@@ -147,6 +149,19 @@ def _si_unit(channel: str, motion: Motion) -> str:
 def fits(unit: str, channel: str) -> set[Motion]:
     """Return the kinds of motion in which the channel may have this unit."""
     return {motion for motion in Motion if _measures(unit, _si_unit(channel, motion), channel)}
+
+
+def differ(stated: str, given: str, channel: str) -> bool:
+    """Whether a unit by name has another size than the one that a header states, both of one channel.
+
+    A unit with a number in it, as ``rpm/50`` behind a gear or ``-deg``, is meant to have another size.
+    """
+    if _OWN_SIZE.search(given):
+        return False
+    if is_current(stated) and is_current(given):
+        return further(stated) != further(given)
+    kinds = fits(stated, channel) & fits(given, channel)
+    return any(conversion(stated, channel, motion) != conversion(given, channel, motion) for motion in kinds)
 
 
 FURTHER_UNITS = ("rad", "rad/s", "rad/s^2", "m", "m/s", "m/s^2", "N m", "N", "degC", "A", "V", "Pa", "W", "s")
