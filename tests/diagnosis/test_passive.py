@@ -40,16 +40,39 @@ def asymmetry(recording: Recording) -> tuple[Comparison, CandidateTest]:
 
 
 @pytest.mark.parametrize("c", [0.0, 0.8, 3.0, -3.0])
-def test_the_share_of_the_work_by_which_a_friction_drives(c: float) -> None:
+def test_the_share_of_the_motion_in_which_a_friction_drives(c: float) -> None:
     """With 1 N m one way and ± 3 N m more, 2 N m drive one way, and 4 N m brake the other."""
     comparison = compare(record(0.0), "coulomb-viscous+asymmetry", INERTIA)
     values = {**comparison.estimate.parameters, "K_v": 0.0, "K_c": 1.0, "asymmetry.c": c, "asymmetry.d": 0.0}
     given = replace(comparison, estimate=replace(comparison.estimate, parameters=values))
-    recording = comparison.problem.recording
-    way = recording.velocity * np.gradient(recording.time)
-    forward, backward = float(np.sum(way[way > 0])), -float(np.sum(way[way < 0]))
-    expected = {3.0: 2 * backward / (4 * forward), -3.0: 2 * forward / (4 * backward)}
-    assert driving_share(given) == pytest.approx(expected.get(c, 0.0), rel=0.01)
+    velocity = comparison.problem.smooth[~comparison.problem.resting]
+    expected = {3.0: np.mean(velocity < 0.0), -3.0: np.mean(velocity > 0.0)}
+    assert driving_share(given, 0.01) == pytest.approx(float(expected.get(c, 0.0)), rel=1e-9)
+
+
+@pytest.mark.parametrize(("error", "drives"), [(0.01, True), (0.05, False)])
+def test_a_friction_drives_by_more_than_its_error_or_not_at_all(error: float, drives: bool) -> None:
+    """0.1 N m that drive are 7 standard errors, or 1.4 of which 3.03 may be chance at 1 % with two parameters."""
+    comparison = compare(record(0.0), "coulomb-viscous+asymmetry", INERTIA)
+    values = {**comparison.estimate.parameters, "K_v": 0.0, "K_c": 1.0, "asymmetry.c": 1.1, "asymmetry.d": 0.0}
+    keys = ["K_v", "K_c", "asymmetry.c", "asymmetry.d"]
+    errors = dict(zip(keys, [0.0, error, error, 0.0], strict=True))
+    covariance = np.diag(np.array(list(errors.values())) ** 2)
+    found = replace(comparison.estimate, parameters=values, standard_errors=errors, covariance=covariance)
+    assert (driving_share(replace(comparison, estimate=found), 0.01) > 0.3) is drives
+
+
+def test_friction_that_drives_at_low_speed_only_is_refused() -> None:
+    """A torque of |acceleration| on one sine is c − d |ω| with c above K_c: little work, but no friction."""
+    rng, time = np.random.default_rng(3), 0.005 * np.arange(4000)
+    velocity, rate = 2.0 * np.sin(2.1 * time), 4.2 * np.cos(2.1 * time)
+    torque = INERTIA * rate + 0.3 * np.sign(velocity) + 0.1 * velocity + 0.15 * np.abs(rate)
+    channels = {"time": time, "torque": torque + 0.02 * rng.standard_normal(len(time)), "velocity": velocity}
+    comparison, tested = asymmetry(Recording("sine", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64)))
+    assert Refits(comparison, POLICY).with_effect(tested) is None
+    fitted = Refits(comparison, replace(POLICY, driving_friction=np.inf)).with_effect(tested)
+    assert fitted is not None
+    assert fitted.estimate.parameters["asymmetry.c"] > 0.4
 
 
 @pytest.mark.parametrize(
@@ -79,7 +102,7 @@ def test_from_which_speed_a_friction_would_drive(model: str, values: dict[str, f
 def test_what_is_no_friction_may_drive() -> None:
     comparison = compare(record(0.0, offset=5.0), "coulomb-viscous+torque-offset", INERTIA)
     assert comparison.estimate.parameters["torque-offset.tau_0"] == pytest.approx(5.0, rel=0.01)
-    assert driving_share(comparison) == 0.0
+    assert driving_share(comparison, 0.01) == 0.0
 
 
 @pytest.mark.parametrize(("difference", "slope", "stays"), [(0.5, 0.1, True), (5.0, 0.0, False), (-5.0, 0.2, False)])

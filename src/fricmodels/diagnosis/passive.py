@@ -18,25 +18,51 @@ from fricmodels.weakform.problem import WeakFormProblem
 _FASTER, _STEPS = 5.0, 201
 """Times the fastest motion up to which the friction is looked at, and in how many steps: a drive is seldom identified
 further below its speed."""
+_STEP = 0.1
+"""Standard errors over which the friction's slope in a parameter is taken."""
 
 
-def driving_share(comparison: Comparison) -> float:
-    r"""Return the work by which a model's friction drives, as a share of the work that it takes away.
+def driving_share(comparison: Comparison, significance: float) -> float:
+    r"""Return the share of the samples in motion in which a model's friction drives by more than its error.
 
-    .. math:: s = \frac{\int \max(-\tau_F\,\omega, 0)\,dt}{\int \max(\tau_F\,\omega, 0)\,dt}
+    The torque τ_F of the law and of the effects that are friction, see :attr:`fricmodels.term.Effect.friction`, takes
+    energy, whatever its form: τ_F ω ≥ 0. With the covariance C of the p parameters it drives where
 
-    with the torque τ_F of the law and of the effects that are friction, see :attr:`fricmodels.term.Effect.friction`,
-    where the drive moves. It is 0 for a friction, whatever its form: τ_F ω ≥ 0. Half the difference of two Coulomb
-    torques that is more than their mean drives the joint one way, as an offset or gravity does.
+    .. math:: -\tau_F\,\mathrm{sgn}\,\omega > \sqrt{\chi^2_{p,\,1-\alpha}\; g^\top C\,g},
+              \qquad g = \partial\tau_F/\partial\theta
+
+    (Scheffé 1953): for all instants at once, so that a true friction is found to drive anywhere with the chance α at
+    most. Half the difference of two Coulomb torques that is more than their mean drives the joint one way, as an offset
+    or gravity does.
+
+    Args:
+        comparison: a fitted model.
+        significance: α.
     """
+    from scipy.stats import chi2
+
     drive, recording, problem = comparison.drive, comparison.problem.recording, comparison.problem
     effects = [effect for effect in drive.model.effects if effect.friction]
     friction = Drive(Model(drive.model.law, effects), drive.inertia, drive.motion)
-    torque = friction.friction(recording, comparison.estimate.parameters, velocity=problem.smooth)
-    power = np.where(problem.resting, 0.0, torque * problem.smooth)
-    weight = np.gradient(recording.time)
-    driven, taken = float(weight @ np.maximum(-power, 0.0)), float(weight @ np.maximum(power, 0.0))
-    return driven / taken if taken > 0.0 else float(np.inf if driven > 0.0 else 0.0)
+    values, errors = comparison.estimate.parameters, comparison.estimate.standard_errors
+
+    def at(parameters: Mapping[str, float]) -> Array:
+        return friction.friction(recording, parameters, velocity=problem.smooth) * np.sign(problem.smooth)
+
+    taken, own = at(values), {parameter.key for parameter in friction.model.parameters}
+    slopes = np.zeros((len(errors), len(taken)))
+    for slope, (key, error) in zip(slopes, errors.items(), strict=True):
+        if key in own and error > 0.0:
+            step = _STEP * error
+            slope[:] = (at({**values, key: values[key] + step}) - at({**values, key: values[key] - step})) / (2 * step)
+    covariance = comparison.estimate.covariance
+    if covariance is None:
+        covariance = np.diag(np.array(list(errors.values())) ** 2)
+    free = int(np.sum(np.any(slopes != 0.0, axis=1)))
+    variance = np.maximum(np.sum(slopes * (covariance @ slopes), axis=0), 0.0)
+    drives = -taken > np.sqrt(chi2.isf(significance, max(free, 1)) * variance)
+    moving = ~problem.resting
+    return float(np.mean(drives[moving])) if np.any(moving) else 0.0
 
 
 def drives_from(comparison: Comparison) -> float | None:

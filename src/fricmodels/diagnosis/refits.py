@@ -77,7 +77,7 @@ class Refits:
 
     def _is_unphysical(self, fitted: Comparison, effect: Effect) -> bool:
         """Whether an effect that is a part of the friction makes of it one that drives, or is too large to be there."""
-        drives = effect.friction and driving_share(fitted) > self.policy.driving_friction
+        drives = effect.friction and driving_share(fitted, self.policy.significance) > self.policy.driving_friction
         return drives or own_torque(fitted, effect) > self.policy.own_torque
 
     def _fits_far_worse(self, fitted: Comparison) -> bool:

@@ -84,9 +84,10 @@ class PassingRules(Rules):
 
     driving_friction: float = rule(
         0.05,
-        "share of the work that the friction takes",
-        "A part of the friction is refused if the friction that is fitted with it drives the joint by more than this.",
-        "Physical: friction drives by nothing; the rest is for errors of the estimate. It is zero on 45 rough drives.",
+        "share of the samples in motion",
+        "A part of the friction is refused if the friction that is fitted with it drives the joint in more than this, "
+        "and by more than its error (at the level significance).",
+        "Physical: friction drives by nothing; the rest is for forms that are not quite right.",
         off=math.inf,
     )
     own_torque: float = rule(
