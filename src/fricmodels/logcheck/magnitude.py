@@ -25,25 +25,28 @@ def magnitude(log: Log, rows: Sequence[Balance]) -> Iterator[Finding]:
 
     Converters and servos often record the size of a current or a load. The torque :math:`s_i|\tau_i|` is fitted with
     the signs that its own balance gives, :math:`s = \mathrm{sgn}\,X\beta`, in rounds from :math:`s =
-    \mathrm{sgn}\,\omega`. A torque with a bias, as of gravity, keeps one sign there, too. Said where the balance of the
-    torque with signs leaves less than half of what that of the recorded one does, not by chance over the clusters of
-    the record (the two balances have the same columns), with friction that takes up power and a positive inertia.
+    \mathrm{sgn}\,\omega`. A torque with a bias, as of gravity, keeps one sign there, too; and where a brake holds the
+    drive in its dwells that bias acts in motion only, so that the recorded torque may have it there alone. Said where
+    the balance of the torque with signs leaves less than half of what that of the recorded one does, with friction that
+    takes up power and a positive inertia, and in most of the record, not by chance over its clusters: what is compared
+    in each is the difference over the sum, since few of them may have most of the torque.
     """
     torque = log.short.recording.torque
     one_sign = torque.any() and abs(float(np.sum(torque))) >= _OF_ONE_SIGN * float(np.sum(np.abs(torque)))
     if log.one_way or not one_sign:
         return
-    pairs = [(row, _with_signs(row)) for row in rows]
+    pairs = [(_biased_in_motion(row), _with_signs(row)) for row in rows]
     if not pairs:
         return
     recorded, signed = min(pairs, key=lambda pair: pair[1].unexplained)
-    gain = recorded.left**2 - signed.left**2
-    if np.sum(gain) < (1.0 - _LESS) * np.sum(recorded.left**2) or min(signed.power, signed.ratio({"J": 1.0})) < 0.0:
+    before, after = recorded.left**2, signed.left**2
+    if np.sum(after) > _LESS * np.sum(before) or min(signed.power, signed.ratio({"J": 1.0})) < 0.0:
         return
-    by_cluster = np.bincount(recorded.cluster, gain)
-    count = len(by_cluster)
-    error = float(np.std(by_cluster, ddof=1)) * np.sqrt(count) if count > 1 else np.inf
-    chance = significance(float(np.sum(gain)) / error if error > 0.0 else np.inf, count)
+    gained, whole = (np.bincount(recorded.cluster, x) for x in (before - after, before + after))
+    share = gained[whole > 0.0] / whole[whole > 0.0]
+    count = len(share)
+    error = float(np.std(share, ddof=1)) / np.sqrt(count) if count > 1 else np.inf
+    chance = significance(float(np.mean(share)) / error if error > 0.0 else np.inf, count)
     if chance < PROBABLE:
         yield Finding(
             "torque-magnitude",
@@ -53,6 +56,12 @@ def magnitude(log: Log, rows: Sequence[Balance]) -> Iterator[Finding]:
             f"motion (p = {chance:.1g})",
             "record it with its sign, or give it that of the commanded torque before it is read",
         )
+
+
+def _biased_in_motion(row: Balance) -> Balance:
+    """Return the balance with a torque that acts in motion only, one way, beside all others."""
+    moving = np.abs(row.columns[:, [row.names.index("K_c")]])
+    return replace(row, names=(*row.names, "in motion"), columns=np.hstack([row.columns, moving]))
 
 
 def _with_signs(row: Balance) -> Balance:
