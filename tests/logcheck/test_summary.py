@@ -131,6 +131,21 @@ def test_a_controller_that_hears_the_noise_is_a_closed_loop():
     assert summary(recording(time, velocity=velocity + noise, torque=torque)).feedback
 
 
+@pytest.mark.parametrize("noise", [0.0, 0.01])
+@pytest.mark.parametrize("seed", range(3))
+def test_corners_of_a_motion_are_no_answer_to_noise(seed: int, noise: float) -> None:
+    """Torque and velocity have their kinks together; the noise of each was added when all was over."""
+    rng, time = np.random.default_rng(seed), 2e-3 * np.arange(10_000)
+    rate = np.repeat(rng.choice([-8.0, 0.0, 8.0], 100), 100)
+    velocity = np.cumsum(rate) * 2e-3
+    torque = 0.2 * rate + 0.3 * np.sign(velocity)
+    measured = velocity + 0.005 * rng.standard_normal(10_000)
+    found = summary(recording(time, velocity=measured, torque=torque + noise * rng.standard_normal(10_000)))
+    assert not found.feedback
+    heard = torque - 0.5 * np.r_[0.0, (measured - velocity)[:-1]] + 0.001 * rng.standard_normal(10_000)
+    assert summary(recording(time, velocity=measured, torque=heard)).feedback
+
+
 @pytest.mark.parametrize("limit", [0.3, 0.8])
 @pytest.mark.parametrize("step", [0.0, 0.01])
 def test_saturation(limit, step):

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from fricmodels.arrays import Array, Mask, widened
 from fricmodels.logcheck.check import findings_of
 from fricmodels.logcheck.colour import channel_noise
 from fricmodels.logcheck.finding import Finding
@@ -28,6 +29,9 @@ _EVEN = 1e-6
 """Jitter, as a share of the interval, up to which it is that of the stamps' own digits."""
 _OTHER_RATE = 1.01
 """Ratio from which two runs were not sampled at the same rate."""
+
+_OUTSTANDING = 3.5
+"""Standard deviations from which on a third difference is no noise: of noise one in two thousand is."""
 
 
 @dataclass(frozen=True)
@@ -244,17 +248,31 @@ def _band(log: Log) -> float:
 def _feedback(log: Log) -> bool:
     """Judge whether the torque answers the noise of the velocity, now or up to three samples later.
 
-    Third differences of both have nothing left but noise; their correlation times the root of the number of
-    independent samples (a third of them, for third differences) is compared with the normal distribution, four lags at
-    once, at the level of :data:`~fricmodels.signals.clusters.LEVEL`. A controller's answer is against the noise.
+    Third differences of both have nothing left but noise, and kinks: of a start, a stop or a corner of a profile, which
+    torque and velocity have together however noise goes. So what stands out of either is left out, with all differences
+    that have a sample in common with it. The correlation of the others times the root of the number of independent
+    samples (a third of them, for third differences) is compared with the normal distribution, four lags at once, at the
+    level of :data:`~fricmodels.signals.clusters.LEVEL`. A controller's answer is against the noise. A torque that is
+    the same from sample to sample mostly answers none.
     """
     from scipy.special import ndtr
 
     if "velocity" not in log.measured or len(log.recording) < 64:
         return False
     torque, velocity = (np.diff(values, 3) for values in (log.recording.torque, log.recording.velocity))
-    size = float(np.sqrt(np.mean(torque**2) * np.mean(velocity**2)))
-    if size == 0.0:
-        return False
-    against = min(float(np.mean(torque[lag:] * velocity[: len(velocity) - lag])) for lag in (0, 1, 2, 3))
-    return bool(4.0 * ndtr(against / size * np.sqrt(len(torque) / 3.0)) < LEVEL)
+    quiet = ~widened(_stands_out(torque) | _stands_out(velocity), 3)
+    least = 0.0
+    for lag in (0, 1, 2, 3):
+        both = quiet[lag:] & quiet[: len(quiet) - lag]
+        answer, noise = torque[lag:][both], velocity[: len(velocity) - lag][both]
+        size = float(np.sqrt(np.sum(answer**2) * np.sum(noise**2)))
+        if size > 0.0:
+            least = min(least, float(answer @ noise) / size * float(np.sqrt(len(noise) / 3.0)))
+    return bool(4.0 * ndtr(least) < LEVEL)
+
+
+def _stands_out(differences: Array) -> Mask:
+    """Mark differences that are no noise, whose size the median tells; all of them where most are nothing."""
+    from scipy.stats import median_abs_deviation
+
+    return np.abs(differences) >= _OUTSTANDING * max(median_abs_deviation(differences, scale="normal"), 1e-300)

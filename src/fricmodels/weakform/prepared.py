@@ -17,9 +17,13 @@ from fricmodels.signals.counted import with_counted_position
 from fricmodels.signals.differences import is_difference
 from fricmodels.signals.integrated import with_integral_marked, with_integrated_position
 from fricmodels.signals.lanczos import even_weights
+from fricmodels.signals.noise_colour import Noise
 from fricmodels.signals.stamp_noise import with_false_stamps
 from fricmodels.signals.stamps import with_even_stamps
 from fricmodels.weakform.smoothed import MAX_SAMPLES
+
+_TYPICAL = 40
+"""Samples that a test function of usual width spans."""
 
 
 def prepared(recording: Recording) -> Recording:
@@ -72,8 +76,9 @@ def _both_measured(recording: Recording) -> bool:
 def surest_velocity(recording: Recording, *, known_by_position: bool = False) -> Recording:
     """Return the recording with the velocity derived from the position, where that is the more certain of the two.
 
-    An encoder's position often gives a better velocity than the noisy channel beside it. The two must agree: the
-    measured velocity is the derived one, to within a hundredth in scale and its own noise. Where it was itself computed
+    An encoder's position often gives a better velocity than the noisy channel beside it, see :func:`_is_quieter`. The
+    two must agree: the measured velocity is the derived one, to within a hundredth in scale and its own noise. Where it
+    was itself computed
     as a difference of the positions it says nothing more than they do, and says that smeared or late. Where it comes
     later than the positions, filtered by its drive or held up on a bus, all that it is off by is its error. Where it
     certainly has another scale than they have, as by a calibration, it is divided by the ratio first.
@@ -98,15 +103,36 @@ def surest_velocity(recording: Recording, *, known_by_position: bool = False) ->
         return result
     derived = result.velocity
     error = counted.after(even_weights(width)[1]) / recording.interval
-    own = velocity_noise(recording).deviation
+    own = velocity_noise(recording)
     power = float(derived @ derived)
     apart = rms(velocity - derived)
     if error < apart / np.sqrt(2.0) and is_late(recording):
         return result
-    if error >= own or power == 0:
+    if power == 0 or not _is_quieter(counted, own, recording.interval):
         return recording
     scale = float(derived @ velocity) / power
     left = rms(velocity - scale * derived)
-    if abs(scale - 1) > 0.01 or left > 1.5 * float(np.hypot(own, error)):
+    if abs(scale - 1) > 0.01 or left > 1.5 * float(np.hypot(own.deviation, error)):
         return recording
     return result
+
+
+def _is_quieter(position: Noise, velocity: Noise, interval: float) -> bool:
+    r"""Whether an acceleration from positions has less noise than one from velocities, in the mean of two scales.
+
+    They are a sample, as errors are printed, and a test function, as rows are. Its weights φ are on the changes of the
+    velocity, which is ±φ on velocities and ±Δφ/h on positions: what a position is off by is divided by h, but nearly
+    all of it comes back with the other sign. So positions are the better the wider the scale is, and neither scale
+    decides alone: the ratios of the noise are multiplied.
+
+    Args:
+        position, velocity: noise of the two, with its colour.
+        interval: h between samples [s].
+    """
+    ratio = 1.0
+    for changes in (np.ones(1), (1.0 - np.linspace(-1.0, 1.0, _TYPICAL + 2)[1:-1] ** 2) ** 2):
+        on_velocities = np.diff(changes, prepend=0.0, append=0.0)
+        on_positions = np.diff(on_velocities, prepend=0.0, append=0.0) / interval
+        own = velocity.after(on_velocities)
+        ratio *= position.after(on_positions) / own if own > 0.0 else np.inf
+    return ratio < 1.0
