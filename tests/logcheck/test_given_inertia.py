@@ -170,3 +170,29 @@ def test_a_velocity_of_another_power_of_ten_at_a_usual_rate_is_not_the_time() ->
 def test_an_inertia_that_no_drive_has_is_refused(inertia: float) -> None:
     with pytest.raises(InputError, match="inertia must be positive and finite"):
         findings(CLEAN, inertia)
+
+
+@pytest.mark.parametrize(
+    ("channel", "was", "times", "unit"),
+    [
+        ("torque", "kN*m", 1e3, "N*m"),
+        ("torque", "mN*m", 1e-3, "N*m"),
+        ("torque", "N*cm", 1e-2, "N*m"),
+        ("torque", "N*m", 1e3, "mN*m"),
+        ("torque", "A", 1e3, "mA"),
+        ("torque", "mA", 1e-3, "A"),
+        ("velocity", "rpm", np.pi / 30, "rad/s"),
+        ("velocity", "deg/s", np.pi / 180, "rad/s"),
+        ("velocity", "deg/s", 1 / 6, "rpm"),
+        ("velocity", "turn/s", 60.0, "rpm"),
+    ],
+)
+def test_the_unit_that_is_proposed_is_told_from_the_one_that_was_read(
+    channel: str, was: str, times: float, unit: str
+) -> None:
+    """A column was read in a unit that its header states, and is in another one."""
+    columns = {**COLUMNS, channel: f"{COLUMNS[channel]}:{was}"}
+    wrong = replace(changed(**{channel: times, "position": 0.0}), provenance={"columns": columns})
+    (first,) = grave(wrong, INERTIA)
+    assert first.kind == "inertia"
+    assert f"--column {COLUMNS[channel]}:{unit}" in first.remedy.replace("'", "")

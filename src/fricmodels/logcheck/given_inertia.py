@@ -13,17 +13,23 @@ from fricmodels.logcheck.balance import CLUSTERS, Balance
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.rates import as_scaled, decades, ratio_to_position, units_of
 from fricmodels.logcheck.view import Log
+from fricmodels.readers import units
 from fricmodels.results.words import figures
 from fricmodels.signals.clusters import LEVEL, PROBABLE, certain, slope
 
-_FACTORS = {
-    180.0 / math.pi: ("velocity", "deg/s"),
-    30.0 / math.pi: ("velocity", "rpm"),
-    0.5 / math.pi: ("velocity", "turn/s"),
-    1e-3: ("torque", "mN*m"),
+_UNITS = {
+    "velocity": {"deg/s": math.pi / 180.0, "rpm": math.pi / 30.0, "turn/s": 2.0 * math.pi, "rad/s": 1.0},
+    "position": {"deg": math.pi / 180.0, "turn": 2.0 * math.pi, "rad": 1.0},
+    "torque": {"mN*m": 1e-3, "N*m": 1.0, "N*cm": 1e-2, "kN*m": 1e3},
+    "current": {"mA": 1e-3, "A": 1.0},
 }
-"""Factor of the inertia that the recording tells → what may be in which unit."""
-_LINEAR_FACTORS = {1e-3: ("torque", "mN"), 1e3: ("velocity", "mm/s")}
+_LINEAR_UNITS = {
+    "velocity": {"mm/s": 1e-3, "m/s": 1.0},
+    "position": {"mm": 1e-3, "m": 1.0},
+    "torque": {"mN": 1e-3, "N": 1.0, "kN": 1e3},
+    "current": {"mA": 1e-3, "A": 1.0},
+}
+"""Units that a channel may be in, of a rotary and of a linear drive → how much SI one is."""
 _SLIPS = {1e3: "g m²", 3417.17: "lb in²", 1e4: "kg cm²", 54674.8: "oz in²", 1e6: "kg mm²", 1e7: "g cm²", 1e9: "g mm²"}
 """How many times the inertia in kg m² its number is in another unit."""
 _LINEAR_SLIPS = {1e3: "g"}
@@ -209,16 +215,24 @@ def _off(given: float, found: Told) -> float:
 
 
 def _units(log: Log, given: float, found: Told) -> list[tuple[str, str]]:
-    """Return the channels, each with a unit that it may be in, with which the given inertia would be right."""
-    factors = _FACTORS if log.rotary else _LINEAR_FACTORS
-    for factor, (channel, unit) in factors.items():
-        if not found.fits(given / factor):
-            continue
-        if channel == "velocity" and channel not in log.measured:
-            channel, unit = "position", unit.removesuffix("/s").replace("rpm", "turn")
-        if log.column(channel)[1] == unit:
-            continue  # it was read so
-        return [(channel, unit), *(_position_beside(log, unit) if channel == "velocity" else ())]
+    """Return the channels, each with a unit that it may be in, with which the given inertia would be right.
+
+    The inertia goes with the torque, and against the acceleration. Either was read in the unit that its header states,
+    or that was given.
+    """
+    known = _UNITS if log.rotary else _LINEAR_UNITS
+    motion = "velocity" if "velocity" in log.measured else "position"
+    for unit, size in known[motion].items():
+        times = abs(log.factor(motion)) / size
+        if not math.isclose(times, 1.0, rel_tol=_SAME) and found.fits(given / times):
+            return [(motion, unit), *(_position_beside(log, unit) if motion == "velocity" else ())]
+    columns = log.recording.provenance.get("columns", {})
+    pushes = "current" if "torque" not in columns and "current" in columns else "torque"
+    of_current = units.is_current(log.column(pushes)[1] or "N*m")
+    was = abs(units.further(log.column(pushes)[1])[0].factor) if of_current else abs(log.factor(pushes))
+    for unit, size in known["current" if of_current else "torque"].items():
+        if not math.isclose(size, was, rel_tol=_SAME) and found.fits(given * was / size):
+            return [(pushes, unit)]
     return []
 
 
@@ -228,5 +242,5 @@ def _position_beside(log: Log, unit: str) -> list[tuple[str, str]]:
         return []
     scale = ratio_to_position(log)
     if scale is None or abs(scale - 1.0) < _SAME:
-        return [("position", {"deg/s": "deg", "rpm": "turn", "mm/s": "mm", "turn/s": "turn"}[unit])]
+        return [("position", "turn" if unit == "rpm" else unit.removesuffix("/s"))]
     return [("position", angle) for angle, speed in units_of(log, scale) if speed == unit and angle != "rad"][:1]
