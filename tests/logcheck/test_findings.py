@@ -127,6 +127,14 @@ def test_a_viscous_part_that_a_coulomb_part_cancels_is_no_voltage():
 )
 def test_a_current_whose_column_says_its_unit_is_no_voltage(columns: dict[str, str], asked: bool) -> None:
     spoilt = replace(changed(torque=CLEAN.torque + 2.0 * CLEAN.velocity), provenance={"columns": columns})
+    assert ("not-a-torque" in kinds(spoilt)) == asked
+
+
+@pytest.mark.parametrize(("resistance", "asked"), [(1.0, False), (8.0, True)])
+def test_a_viscous_drive_with_its_own_inertia_gave_no_voltage(resistance: float, asked: bool) -> None:
+    """A hydrostatic table has hardly any other friction; of a voltage the inertia is off by R/k."""
+    spoilt = changed(torque=resistance * CLEAN.torque + 16.0 * CLEAN.velocity)
+    assert "not-a-torque" in kinds(spoilt)
     assert ("not-a-torque" in kinds(spoilt, INERTIA)) == asked
 
 

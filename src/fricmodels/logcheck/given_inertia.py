@@ -203,6 +203,12 @@ def _of_inertia(log: Log, given: float, found: Told) -> Finding:
     return Finding("inertia", Severity.STOP if stops else Severity.WARN, "torque", says, remedy)
 
 
+def is_right(rows: Sequence[Balance], given: float | None) -> bool:
+    """Whether the inertia that is given is the one that the recording tells."""
+    found = told(rows) if given is not None else []
+    return bool(found) and found[0].fits(given or 0.0)
+
+
 def is_of_motion(log: Log, rows: Sequence[Balance], given: float | None) -> bool:
     """Whether units of the motion would make a given inertia that of the recording."""
     found = told(rows) if given is not None else []
