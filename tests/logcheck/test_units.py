@@ -104,3 +104,17 @@ def test_only_what_is_in_degrees_is_proposed_as_such(both: bool) -> None:
     found = findings(replace(clean, channels={**clean.channels, "position": degrees, "velocity": velocity}))
     (remedy,) = {one.remedy for one in found if one.kind == "unit" and "comes in steps" in one.text}
     assert ("deg/s" in remedy) is both
+
+
+def minutes(inertia_is_told: bool) -> tuple[str, str]:
+    clean = drive()
+    columns = {"time": "time=t", **clean.provenance["columns"]}
+    read = replace(clean.with_channels(time=clean.time / 60.0), provenance={"columns": columns})
+    found = findings(read, INERTIA if inertia_is_told else None)[0]
+    return found.kind, found.remedy
+
+
+def test_a_time_in_minutes_is_told_by_the_ratio_of_the_motions_and_by_the_inertia() -> None:
+    """The inertia is sixty times as large, near to the 57 of degrees; the ratio of the motions is 1/60, and no 1/57."""
+    assert minutes(True) == ("unit", "give the unit, as in --column time=t:min")
+    assert minutes(False) == ("velocity-scale", "if it is a unit, give it, as in --column time=t:min")

@@ -167,6 +167,10 @@ def changed(index: int, row: str) -> list[str]:
         ([HEADER, *(f"{i},{i},2.5" for i in range(1, 9))], "velocity is 2.5 throughout"),
         ([HEADER, *(f"{i},{i},0" for i in range(1, 9))], "nothing moves"),
         (["time_s,torque_Nm,position_rad", *(f"{i / 10},{i},0.3" for i in range(1, 9))], "nothing moves"),
+        (
+            [f"{HEADER},position_rad", *(f"{i},{i},0,{i}" for i in range(1, 9))],
+            "position moves by 7 rad; take the",
+        ),
         (["time_s,torque_Nm,position_rad", *(f"{i / 10},{i},{i * 0.3}" for i in range(1, 9))], "velocity is 3 through"),
         ([HEADER + ",run", *(f"{row},{'' if i == 3 else 'a'}" for i, row in enumerate(ROWS))], "line 5, .*not named"),
         ([HEADER + ",run", *(f"{row},{min(i, 10)}" for i, row in enumerate(ROWS))], "one sample only"),

@@ -8,9 +8,17 @@ from fricmodels.results.words import figures
 
 _UNITS = {0: "s", -3: "ms", -6: "us", -9: "ns"}
 """Power of ten of a second → unit."""
+_MINUTE = 60.0
+MATCHES = 0.01
+"""A ratio is that of two units if it is so within a hundredth: chance hits one of them in one case of a few dozen."""
 _LONGEST, _SHORTEST = 0.1, 5e-6
 """Seconds between two samples: friction at reversals does not show at fewer than ten samples a second, and no drive is
 recorded at more than some hundred thousand."""
+
+
+def is_of_minutes(scale: float) -> bool:
+    """Whether a rate in a second is that share of the change of its quantity in what was taken for one."""
+    return abs(_MINUTE * scale - 1.0) < MATCHES
 
 
 def other_unit(log: Log, power: int) -> str:

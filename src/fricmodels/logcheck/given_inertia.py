@@ -169,6 +169,8 @@ def _of_channel(log: Log, given: float, found: Told) -> Finding | None:
             f"{says}: so many times the change of the position the {log.called('velocity')} is, too",
             f"give its unit, as in {as_scaled(log, 'velocity', scale)}",
         )
+    if scale is not None and clock.is_of_minutes(scale) and found.fits(given * scale):
+        return clock.in_unit(log, "min", f"{says}, and the position says so, too")
     if {"position", "velocity"} <= set(log.measured):
         return None  # the two agree, and so does the time
     slopes = 1 if "velocity" in log.measured else 2  # of what is measured, to the acceleration
@@ -228,10 +230,14 @@ def _units(log: Log, given: float, found: Told) -> list[tuple[str, str]]:
     """
     known = _UNITS if log.rotary else _LINEAR_UNITS
     motion = "velocity" if "velocity" in log.measured else "position"
+    scale = velocity_scale(log)
     for unit, size in known[motion].items():
         times = abs(log.factor(motion)) / size
-        if not math.isclose(times, 1.0, rel_tol=_SAME) and found.fits(given / times):
-            return [(motion, unit), *(_position_beside(log, unit) if motion == "velocity" else ())]
+        if math.isclose(times, 1.0, rel_tol=_SAME) or not found.fits(given / times):
+            continue
+        beside = _position_beside(log, unit) if motion == "velocity" else []
+        if scale is None or beside or math.isclose(scale, times, rel_tol=_SAME):  # else the position refutes it
+            return [(motion, unit), *beside]
     columns = log.recording.provenance.get("columns", {})
     pushes = "current" if "torque" not in columns and "current" in columns else "torque"
     of_current = units.is_current(log.column(pushes)[1] or "N*m")

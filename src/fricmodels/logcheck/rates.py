@@ -32,8 +32,6 @@ _OF_ONE_SIGN = 0.99
 """Share of the mean size that the mean of a rate without its sign has; noise may turn what is nearly nothing."""
 _CELLS, _APART = (1, 4, 16), 4
 """Samples of a cell, and cells between a slope and its instruments."""
-_MATCHES = 0.01
-"""A ratio is that of two units if it is so within a hundredth: chance hits one of them in one case of a few dozen."""
 
 _ANGLES = {"rad": 1.0, "deg": 180.0 / math.pi, "turn": 0.5 / math.pi}
 _SPEEDS = {"rad/s": 1.0, "deg/s": 180.0 / math.pi, "rpm": 30.0 / math.pi, "turn/s": 0.5 / math.pi}
@@ -235,24 +233,26 @@ def _of_pair(log: Log, pair: tuple[str, str], found: Link, balance: Balance | No
             f"{says}, as {where} {either}",
             "give the unit, as in " + " ".join(options),
         )
+    of_time = log.option("time", "min") if clock.is_of_minutes(found.scale) else ""
     return Finding(
         "velocity-scale",
         Severity.WARN,
         rate,
         f"{says}{_as_between(found.scale)}; a gear between the two sensors does the same",
-        f"if it is a unit, give it, as in {as_scaled(log, rate, found.scale)}",
+        f"if it is a unit, give it, as in {of_time or as_scaled(log, rate, found.scale)}",
     )
 
 
 def decades(scale: float) -> int:
     """Return of which power of ten a ratio is within a hundredth; 0 if of none."""
     power = round(math.log10(scale))
-    return power if abs(scale / 10.0**power - 1.0) < _MATCHES else 0
+    return power if abs(scale / 10.0**power - 1.0) < clock.MATCHES else 0
 
 
 def _as_between(scale: float) -> str:
-    power = decades(scale)
-    if not power:
+    if clock.is_of_minutes(scale):
+        return ", as of a time in minutes"
+    if not (power := decades(scale)):
         return ""
     word = {3: "milli", 6: "micro", 9: "nano"}.get(abs(power))
     return ", a power of ten" if word is None else f", as between {word} and one, or with a time in another unit"
@@ -284,7 +284,7 @@ def units_of(log: Log, scale: float) -> list[tuple[str, str]]:
         (a, s)
         for a, of_angle in _ANGLES.items()
         for s, of_speed in _SPEEDS.items()
-        if abs(logged * of_angle / of_speed - 1.0) < _MATCHES
+        if abs(logged * of_angle / of_speed - 1.0) < clock.MATCHES
     ]
     agreeing = [((not angle or a == angle) + (not speed or s == speed), (a, s)) for a, s in found]
     needed = 1 if angle and speed else 2
@@ -295,7 +295,7 @@ def units_of(log: Log, scale: float) -> list[tuple[str, str]]:
 def _whole(scale: float) -> bool:
     """Whether a gear of whole numbers would do: 6 : 1, 60 : 1, 360 : 1."""
     larger = max(scale, 1.0 / scale)
-    return abs(larger - round(larger)) < _MATCHES * larger and round(larger) in (6, 60, 360)
+    return abs(larger - round(larger)) < clock.MATCHES * larger and round(larger) in (6, 60, 360)
 
 
 _OF_SAMPLING = 0.6

@@ -9,7 +9,7 @@ import numpy as np
 from fricmodels.errors import InputError
 from fricmodels.readers.columns import ROW
 from fricmodels.readers.joined import stands_apart
-from fricmodels.recording import Recording
+from fricmodels.recording import CHANNELS, Recording
 
 
 def check(recording: Recording, place: Callable[[int], str] = lambda row: f"sample {row + 1}") -> None:
@@ -96,7 +96,8 @@ def ticking(recording: Recording) -> float | None:
     """Return the mean interval [ms] of samples that have the stamps of a clock coarser than they are, or ``None``.
 
     Such a clock never goes back, and stamps samples alike that are not: a sample that was written twice has the same
-    values. A few pairs of stamps may be slips.
+    values. A few pairs of stamps may be slips. The first and the last tick of a run may have begun before it or end
+    after it: what counts is from one tick's first sample to another's.
     """
     within = np.diff(recording.run) == 0
     step = np.diff(recording.time)[within]
@@ -107,7 +108,12 @@ def ticking(recording: Recording) -> float | None:
     same = np.logical_and.reduce([np.diff(values)[within] == 0.0 for values in others])
     if np.count_nonzero(same[step == 0.0]) > 0.5 * alike:
         return None
-    return 1e3 * float(step.mean())
+    ticks = np.flatnonzero(within & (np.diff(recording.time) > 0.0)) + 1
+    time, samples = 0.0, 0
+    for number in np.unique(recording.run[ticks]):
+        own = ticks[recording.run[ticks] == number]
+        time, samples = time + float(recording.time[own[-1]] - recording.time[own[0]]), samples + int(own[-1] - own[0])
+    return 1e3 * time / samples if samples else None
 
 
 def _check_motion(recording: Recording, source: str) -> None:
@@ -121,5 +127,11 @@ def _check_motion(recording: Recording, source: str) -> None:
         if np.ptp(velocity) <= rounding:
             velocity = np.full(1, np.median(velocity) if abs(np.median(velocity)) > rounding else 0.0)
     if np.ptp(velocity) == 0.0:
+        if "velocity" in recording and "position" in recording and np.ptp(recording["position"]) > 0.0:
+            raise InputError(
+                f"{source}: the velocity is {velocity[0]:.6g} throughout, but the position moves by "
+                f"{np.ptp(recording['position']):.4g} {CHANNELS['position'].unit(recording.motion)}; take the column "
+                f"of the velocity out of the file: it is then derived from the position"
+            )
         what = "nothing moves" if velocity[0] == 0.0 else f"the velocity is {velocity[0]:.6g} throughout"
         raise InputError(f"{source}: {what}; friction shows only where the velocity varies")

@@ -85,8 +85,7 @@ def search(
     best = _summit(value, starts, bounds, spacing, worth, together)
     if any(p.periodic for p in nonlinear):
         best = _fundamental(value, best, nonlinear, bounds, spacing)
-    doubtful = bool(effect.states) or any(p.periodic for p in nonlinear)
-    at_search_bound = doubtful and is_at_an_end(nonlinear, best, spacing)
+    at_search_bound = bool(effect.states) and is_at_an_end(nonlinear, best, spacing)
     return candidate.found(best, trials, at_search_bound=at_search_bound)
 
 
@@ -167,14 +166,9 @@ def is_at_an_end(nonlinear: Sequence[Parameter], point: Point, spacing: Sequence
 
 
 def is_at_end(parameter: Parameter, value: float) -> bool:
-    """Whether a size, with the bounds of a recording, is as far as this can tell, where that is doubtful.
-
-    A wave is as slow as it can be where it passes once over the travel: it would then be slower, or is no wave.
-    """
+    """Whether a size, with the bounds of a recording, is as far as this can tell, where that is doubtful."""
     both: tuple[Literal["lower", "upper"], ...] = () if parameter.dimension == DIMENSIONLESS else ("lower", "upper")
     ends = both if parameter.doubtful_ends is None else parameter.doubtful_ends
-    if parameter.periodic:
-        ends = ("lower",)
     return any(math.isclose(value, getattr(parameter, end), rel_tol=_AT_END) for end in ends)
 
 
