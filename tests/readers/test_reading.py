@@ -165,6 +165,10 @@ def changed(index: int, row: str) -> list[str]:
         (changed(3, "0.015,1,2"), r"line 6: the time goes back from 0.02 s"),
         ([HEADER, *ROWS, *ROWS], r"line 14: the time goes back .*--column run=COLUMN"),
         ([HEADER, *(f"{i},{i},2.5" for i in range(1, 9))], "velocity is 2.5 throughout"),
+        (
+            [HEADER, *(f"{i},{'nan' if i > 6 else i},{'nan' if i > 2 else i}" for i in range(9))],
+            "line 5, velocity .*5 more",
+        ),
         ([HEADER, *(f"{i},{i},0" for i in range(1, 9))], "nothing moves"),
         (["time_s,torque_Nm,position_rad", *(f"{i / 10},{i},0.3" for i in range(1, 9))], "nothing moves"),
         (

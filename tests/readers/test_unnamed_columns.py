@@ -120,6 +120,30 @@ def test_what_a_recorder_writes_before_its_table(
         read(path, columns=mapped)
 
 
+TITLE, GROUPS, IDS = "Servo trace;;;", "Axis 1;Axis 1;Axis 1;Axis 1", "CH1;CH2;CH3;CH4"
+
+
+ABOVE = ((TITLE,), (TITLE, "Date;2026-03-01;;"), (GROUPS,), (TITLE, GROUPS))
+
+
+@pytest.mark.parametrize(
+    ("above", "units"), [((IDS,), "in names"), *((one, units) for one in ABOVE for units in ("in names", "below"))]
+)
+def test_lines_as_wide_as_the_table_above_its_names(tmp_path: Path, above: tuple[str, ...], units: str) -> None:
+    """A spreadsheet fills a title up with empty fields; a group or a number stands above each column."""
+    names = ("Time [ms];Torque [mNm];Spare;Position [deg]",)
+    if units == "below":
+        names = ("Time;Torque;Spare;Position", "ms;mN*m;-;deg")
+    numbers = [f"{10 * i};{50 * np.sin(i):.2f};7;{20 * np.cos(0.3 * i):.3f}" for i in range(20)]
+    (tmp_path / "log.csv").write_text("\n".join([*above, *names, *numbers]))
+    columns = [line.split(" [")[0] if units == "below" else line for line in names[0].split(";")]
+    mapped = (f"time={columns[0]}", f"torque={columns[1]}", f"position={columns[3]}")
+    found = read(tmp_path / "log.csv", columns=mapped)
+    assert found.time[1] == pytest.approx(0.01)
+    assert found.torque[1] == pytest.approx(0.04207)
+    assert found["position"][0] == pytest.approx(np.radians(20))
+
+
 def test_a_column_without_a_name_beside_others_is_called_by_its_number(tmp_path: Path) -> None:
     lines = ["Date:;2020-07-09", ";speed;load", "ms;rpm;%", *(f"{10 * i};{50 * np.sin(i):.2f};{i}" for i in range(20))]
     (tmp_path / "log.csv").write_text("\n".join(lines))

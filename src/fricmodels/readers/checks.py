@@ -24,19 +24,20 @@ def check(recording: Recording, place: Callable[[int], str] = lambda row: f"samp
     """
     source = recording.provenance.get("source", recording.name)
     columns = recording.provenance.get("columns", {})
-    for channel, values in recording.channels.items():
-        bad = np.flatnonzero(~np.isfinite(values))
-        if len(bad):
-            value = "an empty field or NaN" if np.isnan(values[bad[0]]) else "an infinite value"
-            others = f", and {len(bad) - 1} more" if len(bad) > 1 else ""
-            raise InputError(
-                f"{source}: {place(int(bad[0]))}, {channel} ({columns.get(channel, channel)}): {value}{others}; "
-                + (
-                    "the channels stand in rows of their own, as merged topics do: bring them together with --gaps join"
-                    if stands_apart(recording.channels)
-                    else "remove or repair those rows, or leave them out with --gaps drop or --gaps split"
-                )
+    bad = {name: places for name, x in recording.channels.items() if len(places := np.flatnonzero(~np.isfinite(x)))}
+    if bad:
+        channel = min(bad, key=lambda name: int(bad[name][0]))
+        row, more = int(bad[channel][0]), len(np.unique(np.concatenate([*bad.values()]))) - 1
+        value = "an empty field or NaN" if np.isnan(recording[channel][row]) else "an infinite value"
+        others = f", and {more} more" if more else ""
+        raise InputError(
+            f"{source}: {place(row)}, {channel} ({columns.get(channel, channel)}): {value}{others}; "
+            + (
+                "the channels stand in rows of their own, as merged topics do: bring them together with --gaps join"
+                if stands_apart(recording.channels)
+                else "remove or repair those rows, or leave them out with --gaps drop or --gaps split"
             )
+        )
     _check_size(recording, source, columns)
     if len(recording) < 2:
         raise InputError(f"{source}: {len(recording) or 'no'} sample{'s' if len(recording) != 1 else ''}; "

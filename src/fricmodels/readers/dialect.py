@@ -13,6 +13,7 @@ from fricmodels.readers import units
 from fricmodels.readers.labelled import labels_of
 
 _COMMENTS = ("#", "%")
+_IN_BRACKETS = re.compile(r"[\[(][^\[\]()]+[\])]\s*$")
 _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*$|\s*[-+]?(nan|inf(inity)?)\s*$", re.IGNORECASE)
 _DIGITS, _BEHIND_A_COMMA = re.compile(r"\s*-?\d*([eE][-+]?\d+)?\s*$"), re.compile(r"\s*0\d+\s*$")
 _DELIMITERS = ("\t", ";", ",", "|", " ")
@@ -160,28 +161,42 @@ def _refuse_commas_between_decimal_commas(path: Path, lines: list[tuple[int, str
 
 
 def _without_preamble(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
-    """Return the lines from the names of the columns on, where a recorder wrote settings of its own before them.
+    """Return the lines from the names of the columns on, where a recorder wrote lines of its own before them.
 
-    That is where the first line has another number of fields than the table of numbers. The names are in
-    the last line before it that is as wide, or in the one before that where the last has units; where none is as wide
-    the table has no names.
+    That is where the first line has another number of fields than the table of numbers, or is no line of names though
+    it is as wide: a title that a spreadsheet filled up with empty fields, or a group that stands above each of its
+    columns. The names are in the last line before the table that is as wide, or in the one before that where the last
+    has units; where none is as wide the table has no names.
     """
     own = _delimiter(lines[0][1], [lines[-1][1]])
-    if len(fields_of(lines[0][1], own)) == len(fields_of(lines[-1][1], own)) > 1:
-        return lines
-    for delimiter in _DELIMITERS:
+    alike = len(fields_of(lines[0][1], own)) == len(fields_of(lines[-1][1], own)) > 1
+    for delimiter in (own,) if alike else _DELIMITERS:
         rows = [fields_of(line, delimiter) for _, line in lines]
         widths = [len(row) if _all_numbers(row, delimiter) else 0 for row in rows]
         ends = range(_ROWS, len(rows) + 1)
         begin = next((i - _ROWS for i in ends if min(widths[i - _ROWS : i]) == max(widths[i - _ROWS : i]) > 1), 0)
         width = len(rows[begin])
-        if begin < _PREAMBLE or len(rows[0]) == width:
+        if begin < _PREAMBLE or (len(rows[0]) == width) != alike:
             continue
         names = begin - 1 if len(rows[begin - 1]) == width else begin
         if names and names < begin and len(rows[names - 1]) == width and _are_units(rows[names]):
             names -= 1
+        if alike and not (_are_names(rows[names], delimiter) and _name_more(rows[names], rows[0], delimiter)):
+            continue
         return lines[names:]
     return lines
+
+
+def _are_names(fields: list[str], delimiter: str) -> bool:
+    """Whether fields may be names of columns: each has one of its own, and none is a number."""
+    named = [field for field in fields if field]
+    return len({*named}) == len(fields) and not any(_is_number(field, delimiter) for field in named)
+
+
+def _name_more(fields: list[str], first: list[str], delimiter: str) -> bool:
+    """Whether fields are names rather than those of the first line: which are none, or state fewer units."""
+    of_these, of_those = (sum(bool(_IN_BRACKETS.search(field)) for field in row) for row in (fields, first))
+    return not _are_names(first, delimiter) or of_these > of_those
 
 
 def _all_numbers(fields: list[str], delimiter: str) -> bool:
