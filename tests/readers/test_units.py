@@ -46,6 +46,7 @@ R, L = Motion.ROTARY, Motion.LINEAR
         *((unit, "acceleration", R, 1.0, 2 * math.pi) for unit in ("rev/s^2", "rev/s²", "U/s²")),
         ("rev/4096", "position", R, 2048.0, math.pi),
         ("mrev", "position", R, 500.0, math.pi),
+        *((f"N{dot}m", "torque", R, 2.0, 2.0) for dot in "·⋅・･∙•‧"),
         *((unit, "torque", R, 1.0, 0.0980665) for unit in ("kg.cm", "kgf.cm", "kp·cm", "kg-cm", "kgfcm")),
         *((unit, "torque", R, 1.0, 0.1129848290276167) for unit in ("lb-in", "lbf-in", "lbf·in", "in-lb", "inlb")),
         *((unit, "torque", R, 1.0, 0.00706155181422604) for unit in ("ozf·in", "oz-in", "ozf in")),

@@ -1,8 +1,8 @@
 """How units are spelled in the headers of logs, and what Pint calls them.
 
 ``rev`` and ``Umdr`` are turns, ``U/min`` and ``1/min`` turns a minute, ``kp`` is a kilogram-force, ``dps`` are degrees
-a second, ``cnt`` and ``inc`` counts, a full stop or a dash between two units multiplies them, ``lb-in``, ``kg.cm`` and
-``Newtonmeter`` are torques, and a capital letter more or less changes no ``RPM``.
+a second, ``cnt`` and ``inc`` counts, a full stop, a dash or any dot between two units multiplies them, ``lb-in``,
+``kg.cm`` and ``Newtonmeter`` are torques, and a capital letter more or less changes no ``RPM``.
 """
 
 from __future__ import annotations
@@ -64,6 +64,10 @@ _PRODUCT = re.compile(r"(?<=[^\W\d_])\s*[.-]\s*(?=[^\W\d_])")
 _POWER = re.compile(r"(?<=[^\W\d_])(?<!\d[eE])-(?=\d{1,2}(?!\d))")
 
 
+_DOTS = str.maketrans(dict.fromkeys("・･∙•‧", "·"))
+"""Dots of other scripts and keyboards that stand for a product."""
+
+
 def spelled(unit: str) -> str:
     """Return a unit as Pint spells it; what is spelled otherwise stays."""
     if len(unit) > _LONGEST:
@@ -73,7 +77,7 @@ def spelled(unit: str) -> str:
     word = _WORDS.get(text.lower())
     if word is not None and not text.startswith("M"):
         return word
-    text = _TURNS_IN_A_TIME.sub("turn", _TURNS.sub(r"\1turn", text.replace("º", "°")))
+    text = _TURNS_IN_A_TIME.sub("turn", _TURNS.sub(r"\1turn", text.replace("º", "°").translate(_DOTS)))
     text = _ANY_CASE.sub(lambda found: found[0].lower(), text)
     text = _NEWTON_METRES.sub(lambda found: _PREFIXES.get((found[1] or "").lower(), "") + "Nm", text)
     text = _NAME.sub(lambda found: _NAMES.get(found[0], found[0]), text)
