@@ -106,6 +106,15 @@ def test_a_short_log_has_a_noise_too(samples):
     assert summary(recording(time, velocity=velocity)).channels["velocity"].noise == pytest.approx(0.03, rel=0.2)
 
 
+def test_random_sampling_makes_no_noise():
+    """Intervals of 1 to 20 ms, the mean 5: by their number a motion is rough, and by their time it is smooth."""
+    rng = np.random.default_rng(0)
+    time = 1e-3 * np.sort(rng.choice(60_000, 12_000, replace=False))
+    position = 0.4 * np.sin(2 * time) + 2e-6 * rng.standard_normal(len(time))
+    found = summary(recording(time, position=position, torque=np.cos(2 * time)))
+    assert found.channels["position"].noise == pytest.approx(2e-6, rel=0.1)
+
+
 def test_a_torque_that_is_switched_is_an_exact_command():
     time = np.arange(0, 20, 2e-3)
     torque = 4.0 * np.sign(np.sin(3 * time))

@@ -33,6 +33,8 @@ _OF_COUNTS = 0.5
 """Share of the difference of velocity and position that the steps of the position may make: q/√12 of two samples, over
 two intervals."""
 _NOTED = 1e-3
+_WANDERS = 0.3
+"""Share of the noise that is not small any more."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,6 @@ def colour(log: Log, noises: dict[str, Noise]) -> Iterator[Finding]:
     hundredth of the channel's RMS value about its mean, larger than its rounding, and than what uneven sampling makes
     of the signal.
     """
-    wandering = unevenness(log.short.recording)
     for channel, found in noises.items():
         if channel not in ("torque", "velocity") or not np.isfinite(found.error):
             continue
@@ -136,7 +137,7 @@ def colour(log: Log, noises: dict[str, Noise]) -> Iterator[Finding]:
             or found.error == 0.0
         ):
             continue
-        if wandering * rms(np.diff(log.short.recording[channel])) > 0.3 * found.size:
+        if wanders(log, channel, found):
             continue
         chance = significance(max(abs(found.tilt) - np.log(1.1), 0.0) / found.error, found.pieces)
         if chance >= (_NOTED if channel == "torque" else LEVEL):
@@ -151,3 +152,8 @@ def colour(log: Log, noises: dict[str, Noise]) -> Iterator[Finding]:
             + (", as after a low-pass filter" if low_passed else ", as after a difference"),
             "log it unfiltered" if low_passed else "",
         )
+
+
+def wanders(log: Log, channel: str, found: Noise) -> bool:
+    """Whether uneven sampling makes of a channel's changes what may be taken for much of its noise."""
+    return unevenness(log.short.recording) * rms(np.diff(log.short.recording[channel])) > _WANDERS * found.size

@@ -9,7 +9,7 @@ import numpy as np
 
 from fricmodels.arrays import Array, Mask, widened
 from fricmodels.logcheck.check import findings_of
-from fricmodels.logcheck.colour import channel_noise
+from fricmodels.logcheck.colour import channel_noise, wanders
 from fricmodels.logcheck.finding import Finding
 from fricmodels.logcheck.stamps import missing
 from fricmodels.logcheck.view import Log
@@ -148,15 +148,16 @@ class Summary:
 def _noise(log: Log, channel: str) -> float:
     """Return the noise of a channel, at the least that of its rounding; none of a torque that is switched.
 
-    Of a short log, whose spectra have too few pieces, it is what every fit takes but for what lasts over many samples:
-    that is not told from a slow change of the channel.
+    Of a short log, whose spectra have too few pieces, and of one whose intervals differ, which makes noise of a motion
+    that has none, it is what every fit takes but for what lasts over many samples: that is not told from a slow change
+    of the channel.
     """
     short = log.short.recording
     values, found = short[channel], channel_noise(log.short, short[channel])
     if channel in ("torque", "current") and is_switched(values):
         return 0.0
     size = found.size
-    if not found.pieces:
+    if not found.pieces or wanders(log, channel, found):
         size = replace(noise_of(short.time, values, short.run), lasting=0.0, samples=0.0).deviation
     return max(size, log.resolution[channel] / float(np.sqrt(12.0)))
 
