@@ -1,41 +1,56 @@
-"""Fourth differences of means over some samples: what is left of a channel when every cubic is taken away."""
+r"""Fourth differences of means over some samples: what is left of a channel when every cubic is taken away.
+
+The mean of a curve over instants :math:`t_j` is not the curve at their mean. So on uneven samples the five weights are
+those under which the means of 1, t, t² and t³ over each of the five groups vanish together,
+
+.. math:: \sum_{i=1}^{5} w_i\,\overline{t^k}_i = 0, \qquad k = 0 \dots 3,
+
+which are divided differences where a group is one sample, and 1, −4, 6, −4, 1 where samples are even.
+"""
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from fricmodels.arrays import Array
 from fricmodels.signals.segments import is_even
 
 DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
-_SAMPLES = 1 << 16
-"""Divided differences that are taken at a time, so that memory stays bounded."""
+_SAMPLES = 1 << 14
+"""Weights that are found at a time, so that memory stays bounded."""
 
 
 def running_sums(time: Array, values: Array) -> tuple[Array | None, Array]:
-    """Return the sums up to each sample of time stamps, ``None`` where they are even, and of values."""
-    return None if is_even(time) else _sums_of(time - time[0]), _sums_of(values - values.mean())
-
-
-def _sums_of(values: Array) -> Array:
+    """Return the time stamps, ``None`` where they are even, and the sums up to each sample of values."""
     sums = np.zeros(len(values) + 1)
-    np.cumsum(values, out=sums[1:])
-    return sums
+    np.cumsum(values - values.mean(), out=sums[1:])
+    return None if is_even(time) else time, sums
 
 
 def fourth_differences(time: Array | None, values: Array, scale: int) -> Array:
-    """Return fourth differences of means over ``scale`` samples, from sums up to each sample.
+    """Return fourth differences of means over ``scale`` samples.
 
-    On uneven samples they are divided differences, scaled so that white noise is as large as on even ones; they need
-    fifty numbers a sample, and are taken some at a time.
+    On uneven samples they are scaled so that white noise is as large as on even ones; they need some hundred numbers a
+    sample, and are taken some at a time.
+
+    Args:
+        time: time stamps of uneven samples [s], shape (N,).
+        values: sums up to each sample, shape (N + 1,).
+        scale: samples of a mean.
     """
     count, step = len(values) - 5 * scale, max(1, scale // 8)
     if time is not None:
         found = np.empty(len(range(0, count, step)))
-        for start in range(0, len(found), _SAMPLES):
-            first, last = start * step, min(start + _SAMPLES, len(found)) * step
-            part = slice(first, min(last, count) + 5 * scale)
-            found[start : start + _SAMPLES] = _divided_differences(time[part], values[part], scale, step)
+        some = max(_SAMPLES // scale, _SAMPLES // 4)
+        for start in range(0, len(found), some):
+            rows = min(some, len(found) - start)
+            first = start * step
+            part = slice(first, first + (rows - 1) * step + 5 * scale)
+            sums = values[part.start : part.stop + 1]
+            found[start : start + rows] = _without_cubics(time[part], sums, scale, step)
         return found
     means = values[scale:] - values[:-scale]
     means /= scale
@@ -48,13 +63,34 @@ def fourth_differences(time: Array | None, values: Array, scale: int) -> Array:
     return found
 
 
-def _divided_differences(time: Array, values: Array, scale: int, step: int) -> Array:
-    count = len(values) - 5 * scale
-    at = [slice(k * scale, k * scale + count, step) for k in range(5)]
-    means, instants = ((sums[scale:] - sums[:-scale]) / scale for sums in (values, time))
-    places = np.stack([instants[part] for part in at])
-    apart = places[:, None] - places[None]
-    apart[np.arange(5), np.arange(5)] = 1.0
-    weights = 1.0 / apart.prod(axis=1)
-    weights *= np.linalg.norm(DIFFERENCE) / np.linalg.norm(weights, axis=0)
-    return np.asarray(np.einsum("ij,ij->j", weights, np.stack([means[part] for part in at])))
+def _without_cubics(time: Array, sums: Array, scale: int, step: int) -> Array:
+    """Return weighted means of five neighbouring groups, every ``step`` samples, shape (rows,).
+
+    By divided differences of the moments of the groups: the difference of two neighbours is free of constants, that of
+    two such, each over its slope, of slopes, and so on.
+    """
+    begins = np.arange(0, len(time) - scale + 1, step)
+    apart = scale // step
+    rows = len(begins) - 4 * apart
+    first = time[begins]
+    within = sliding_window_view(time, scale)[begins] - first[:, None]
+    square = within * within
+    one, two, three = within.mean(axis=1), square.mean(axis=1), (within * square).mean(axis=1)
+    middle = first[2 * apart : 2 * apart + rows]
+    size = first[4 * apart :] - first[:rows]
+    means = (sums[begins + scale] - sums[begins]) / scale
+    level = []
+    for k in range(5):
+        here = slice(k * apart, k * apart + rows)
+        at = (first[here] - middle) / size
+        a, b, c = one[here] / size, two[here] / size**2, three[here] / size**3
+        weights = np.zeros((5, rows))
+        weights[k] = 1.0
+        moments = [at + a, at * (at + 2 * a) + b, at * (at * (at + 3 * a) + 3 * b) + c]
+        level.append(np.concatenate([moments, means[here][None], weights]))
+    while len(level) > 1:
+        level = [after - before for before, after in pairwise(level)]
+        if len(level) > 1:
+            level = [each[1:] / each[0] for each in level]
+    weights = level[0][-5:]
+    return np.asarray(level[0][-6] * np.linalg.norm(DIFFERENCE) / np.sqrt(np.einsum("ij,ij->j", weights, weights)))
