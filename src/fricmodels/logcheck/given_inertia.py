@@ -230,7 +230,7 @@ def _units(log: Log, given: float, found: Told) -> list[tuple[str, str]]:
     """
     known = _UNITS if log.rotary else _LINEAR_UNITS
     motion = "velocity" if "velocity" in log.measured else "position"
-    scale = velocity_scale(log)
+    scale = ratio_to_position(log)
     for unit, size in known[motion].items():
         times = abs(log.factor(motion)) / size
         if math.isclose(times, 1.0, rel_tol=_SAME) or not found.fits(given / times):

@@ -276,4 +276,5 @@ def _stands_out(differences: Array) -> Mask:
     """Mark differences that are no noise, whose size the median tells; all of them where most are nothing."""
     from scipy.stats import median_abs_deviation
 
-    return np.abs(differences) >= _OUTSTANDING * max(median_abs_deviation(differences, scale="normal"), 1e-300)
+    usual = max(float(median_abs_deviation(differences, scale="normal")), 1e-300)
+    return np.asarray(np.abs(differences) >= _OUTSTANDING * usual)
