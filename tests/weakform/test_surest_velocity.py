@@ -32,7 +32,7 @@ def trolley(position_noise: float, velocity_noise: float, seed: int = 0, offset:
 @pytest.mark.parametrize(
     ("position_noise", "velocity_noise", "by_position"),
     [
-        (1e-3, 4e-3, False),  # smoothed over 31 samples as the position is, this velocity has the lesser noise
+        (1e-3, 4e-3, False),  # smoothed over 31 samples, as the position was, this velocity has the lesser noise
         (1e-5, 4e-3, True),
         (1e-4, 0.1, True),
         (1e-4, 4e-4, False),

@@ -22,8 +22,10 @@ from fricmodels.signals.stamp_noise import with_false_stamps
 from fricmodels.signals.stamps import with_even_stamps
 from fricmodels.weakform.smoothed import MAX_SAMPLES
 
-_TYPICAL = 40
-"""Samples that a test function of usual width spans."""
+_TYPICAL, _WINDOW = 40, 0.1
+"""Samples that a test function of usual width spans, and the longest window over which errors are printed [s]."""
+_CLEARLY = 2.0
+"""Times the noise; a convention."""
 
 
 def prepared(recording: Recording) -> Recording:
@@ -76,12 +78,13 @@ def _both_measured(recording: Recording) -> bool:
 def surest_velocity(recording: Recording, *, known_by_position: bool = False) -> Recording:
     """Return the recording with the velocity derived from the position, where that is the more certain of the two.
 
-    An encoder's position often gives a better velocity than the noisy channel beside it, see :func:`_is_quieter`. The
-    two must agree: the measured velocity is the derived one, to within a hundredth in scale and its own noise. Where it
-    was itself computed
-    as a difference of the positions it says nothing more than they do, and says that smeared or late. Where it comes
-    later than the positions, filtered by its drive or held up on a bus, all that it is off by is its error. Where it
-    certainly has another scale than they have, as by a calibration, it is divided by the ratio first.
+    An encoder's position often gives a better velocity than the noisy channel beside it: once smoothed it has less
+    noise, and so have accelerations from it (:func:`_is_quieter`; the measured one is smoothed there, too). The two
+    must agree: the measured velocity is the derived one, to within a hundredth in scale and its own noise. Where it
+    was itself computed as a difference of the positions it says nothing more than they do, and says that smeared or
+    late. Where it comes later than the positions, filtered by its drive or held up on a bus, all that it is off by is
+    its error. Where it certainly has another scale than they have, as by a calibration, it is divided by the ratio
+    first.
 
     Args:
         recording: as measured.
@@ -108,7 +111,7 @@ def surest_velocity(recording: Recording, *, known_by_position: bool = False) ->
     apart = rms(velocity - derived)
     if error < apart / np.sqrt(2.0) and is_late(recording):
         return result
-    if power == 0 or not _is_quieter(counted, own, recording.interval):
+    if error >= own.deviation or power == 0 or not _is_quieter(counted, own, recording.interval):
         return recording
     scale = float(derived @ velocity) / power
     left = rms(velocity - scale * derived)
@@ -118,21 +121,25 @@ def surest_velocity(recording: Recording, *, known_by_position: bool = False) ->
 
 
 def _is_quieter(position: Noise, velocity: Noise, interval: float) -> bool:
-    r"""Whether an acceleration from positions has less noise than one from velocities, in the mean of two scales.
+    r"""Whether an acceleration from positions has less noise than one from velocities, or not clearly more.
 
-    They are a sample, as errors are printed, and a test function, as rows are. Its weights φ are on the changes of the
-    velocity, which is ±φ on velocities and ±Δφ/h on positions: what a position is off by is divided by h, but nearly
-    all of it comes back with the other sign. So positions are the better the wider the scale is, and neither scale
-    decides alone: the ratios of the noise are multiplied.
+    They are the longest window over which errors are printed, and a test function, as rows are. Their weights φ are on
+    the changes of the velocity, which is Δφ on velocities and Δ²φ/h on positions: what a position is off by is divided
+    by h, but nearly all of it comes back with the other sign. So positions are the better the wider the scale is, and
+    neither scale decides alone: what counts is the geometric mean of the two ratios. Where it is about one positions
+    stay, whose rows are wider.
 
     Args:
         position, velocity: noise of the two, with its colour.
         interval: h between samples [s].
     """
     ratio = 1.0
-    for changes in (np.ones(1), (1.0 - np.linspace(-1.0, 1.0, _TYPICAL + 2)[1:-1] ** 2) ** 2):
+    reach = max(1, round(_WINDOW / interval))
+    triangle = 1.0 - np.abs(np.arange(1 - reach, reach)) / reach
+    bump = (1.0 - np.linspace(-1.0, 1.0, _TYPICAL + 1)[1:-1] ** 2) ** 2
+    for changes in (triangle, bump):
         on_velocities = np.diff(changes, prepend=0.0, append=0.0)
         on_positions = np.diff(on_velocities, prepend=0.0, append=0.0) / interval
         own = velocity.after(on_velocities)
         ratio *= position.after(on_positions) / own if own > 0.0 else np.inf
-    return ratio < 1.0
+    return ratio < _CLEARLY**2
