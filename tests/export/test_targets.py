@@ -7,6 +7,7 @@ import math
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -348,3 +349,9 @@ def test_a_gap_that_no_recording_drives_changes_no_friction(kept: Callable[..., 
     assert first == pytest.approx(second, rel=1e-3)
     (note,) = [note for note in written[0].notes if note.startswith("left out: backlash")]
     assert "give the recording" in note
+
+
+def test_a_model_whose_file_tells_no_runs_is_exported(kept: Callable[..., Any], tmp_path: Path) -> None:
+    model, path = kept("coulomb-viscous", {"K_v": 0.3, "K_c": 0.8}), tmp_path / "arm.model.json"
+    path.write_text(json.dumps({**json.loads(model.document.to_json()), "runs": [], "run_checksums": []}))
+    assert export_model(fricmodels.load(path), "c").text

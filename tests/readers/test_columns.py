@@ -208,3 +208,11 @@ def test_the_only_column_of_a_matrix():
     assert parse("position=q(1)", ["q"]) == Column("position", "q")
     with pytest.raises(InputError):
         parse("position=q(2)", ["q"])
+
+
+def test_a_column_in_an_angle_beside_a_linear_axis_without_a_force_is_no_accident() -> None:
+    """A force is a torque by another name: what may be one is asked for by its unit, too."""
+    with pytest.raises(InputError, match="no column for the time, the force or current and the velocity or position"):
+        assign([], ["1e-05", "qd [deg/s]"], Motion.LINEAR)
+    with pytest.raises(InputError, match="--column 'force=motor force \\[kN\\]"):
+        assign([], ["time_s", "velocity_m_s", "force angle [deg]", "motor force [kN]"], Motion.LINEAR)

@@ -36,6 +36,8 @@ HEAD = "name: t\nmodels: {models}\nestimators: batch\ndatasets:\n"
     [
         ("  - files: jj.csv\n", "coulomb-viscous", 5, "there is no file 'jj.csv'"),
         ("  - files: j.csv\n  - name: r\n    rig: r.yaml\n", "coulomb-viscous", 7, "there is no such rig file"),
+        (f"  - files: {300 * 'j'}.csv\n", "coulomb-viscous", 5, "there is no file 'jjj"),
+        (f"  - files: j.csv\n  - name: r\n    rig: {300 * 'r'}.yaml\n", "coulomb-viscous", 7, "no such rig file"),
         (
             "  - name: a\n    files: j.csv\n  - files: k.csv\n    name: a\n",
             "coulomb-viscous",

@@ -302,6 +302,11 @@ def _stated(column: Column) -> str | None:
     return None if column.channel == "run" else stated_unit(column.column, column.channel)
 
 
+def _may_be(column: str, channel: str) -> bool:
+    """Whether a column may be a channel, or one that has another name on a linear axis, by its unit."""
+    return may_measure(column, ALIASES.get(channel, channel))
+
+
 def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]) -> None:
     force = "force" if motion is Motion.LINEAR else "torque"
     every = (("time",), (force, "current"), ("velocity", "position"))
@@ -312,7 +317,7 @@ def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]
     options = []
     for any_of in missing:
         channels = tuple(dict.fromkeys((*any_of, *(ALIASES.get(channel, channel) for channel in any_of))))
-        channel, column = likely(channels, _free(found, present, channels), may_measure) or (any_of[0], None)
+        channel, column = likely(channels, _free(found, present, channels), _may_be) or (any_of[0], None)
         options.append(_option(channel if channel in any_of else any_of[0], column))
     needed = _listed(["the " + " or ".join(any_of) for any_of in missing], "and")
     standard = _listed([STANDARD[motion][ALIASES.get(c, c)] for any_of in missing for c in any_of], "or")

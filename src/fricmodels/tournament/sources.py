@@ -9,6 +9,7 @@ import glob
 import hashlib
 import json
 import math
+import os
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -247,7 +248,7 @@ def _rigs(dataset: Dataset, rig: str, directory: Path, common: Mapping[str, Any]
     from fricmodels.rig.file import load_rig
 
     path = directory / rig
-    if not path.is_file():
+    if not os.path.isfile(path):  # not an error where the name is too long for one
         raise InputError(f"{path}: there is no such rig file")
     load_rig(path)
     checksum = hashlib.sha256(path.read_bytes()).hexdigest()
@@ -297,7 +298,7 @@ def _matching(patterns: list[str], directory: Path) -> list[str]:
     found: dict[str, None] = {}
     for pattern in patterns:
         whole = str(directory / pattern)
-        matches = [whole] if Path(whole).is_file() else sorted(glob.glob(whole, recursive=True))
+        matches = [whole] if os.path.isfile(whole) else sorted(glob.glob(whole, recursive=True))
         files = [str(Path(match)) for match in matches if Path(match).is_file()]
         if not files:
             raise FileNotFoundError(f"there is no file '{pattern}' in {directory}")

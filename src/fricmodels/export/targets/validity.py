@@ -39,7 +39,7 @@ def motion_over(model: FittedModel) -> Recording:
     way, speed = high - low, float(np.mean(np.abs(channels["velocity"])))
     if model.model.states and "time" not in model.needs and way > 0 and speed > 0:
         channels["time"] = np.linspace(0.0, reversals * way / speed, _SAMPLES)
-    run = np.full(_SAMPLES, model.document.runs[0], dtype=np.int64)
+    run = np.full(_SAMPLES, next(iter(model.document.runs), 0), dtype=np.int64)
     return Recording("range of validity", Motion(model.motion), channels, run, units=dict(model.document.units))
 
 
