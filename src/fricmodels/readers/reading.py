@@ -25,6 +25,7 @@ from fricmodels.readers.dates import stamps
 from fricmodels.readers.gaps import Gaps, kept
 from fricmodels.readers.joined import joined
 from fricmodels.readers.registers import find_register
+from fricmodels.readers.two_part_stamps import with_whole_stamps
 from fricmodels.readers.vectors import unequal_lengths
 from fricmodels.recording import OTHER, Recording
 from fricmodels.signals.jumps import mend_jumps
@@ -87,7 +88,7 @@ def read(
         wanted = asked(columns)
     except InputError as error:
         raise InputError(f"{source}: {error}") from None
-    table = _table(chosen, source, wanted)
+    table = with_whole_stamps(_table(chosen, source, wanted))
     present = [str(column) for column in table.columns]
     try:
         found, kind = assign(columns, present, motion)
