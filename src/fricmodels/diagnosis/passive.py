@@ -18,8 +18,8 @@ from fricmodels.weakform.problem import WeakFormProblem
 _FASTER, _STEPS = 5.0, 201
 """Times the fastest motion up to which the friction is looked at, and in how many steps: a drive is seldom identified
 further below its speed."""
-_STEP = 0.1
-"""Standard errors over which the friction's slope in a parameter is taken."""
+_STEP, _SAMPLES = 0.1, 20_000
+"""Standard errors over which the friction's slope in a parameter is taken, and about how many samples are looked at."""
 
 
 def driving_share(comparison: Comparison, significance: float) -> float:
@@ -45,23 +45,29 @@ def driving_share(comparison: Comparison, significance: float) -> float:
     effects = [effect for effect in drive.model.effects if effect.friction]
     friction = Drive(Model(drive.model.law, effects), drive.inertia, drive.motion)
     values, errors = comparison.estimate.parameters, comparison.estimate.standard_errors
+    some = slice(None, None, max(1, len(recording) // _SAMPLES))
+    side, moving = np.sign(problem.smooth[some]), ~problem.resting[some]
 
     def at(parameters: Mapping[str, float]) -> Array:
-        return friction.friction(recording, parameters, velocity=problem.smooth) * np.sign(problem.smooth)
+        return np.asarray(friction.friction(recording, parameters, velocity=problem.smooth)[some] * side)
 
-    taken, own = at(values), {parameter.key for parameter in friction.model.parameters}
+    taken, linear = at(values), {p.key for p in friction.model.linear_parameters}
+    nonlinear = {p.key for p in friction.model.nonlinear_parameters}
     slopes = np.zeros((len(errors), len(taken)))
     for slope, (key, error) in zip(slopes, errors.items(), strict=True):
-        if key in own and error > 0.0:
-            step = _STEP * error
-            slope[:] = (at({**values, key: values[key] + step}) - at({**values, key: values[key] - step})) / (2 * step)
+        step = _STEP * error
+        if key in linear and step > 0.0:
+            slope[:] = (at({**values, key: values[key] + step}) - taken) / step
+        if key in nonlinear and step > 0.0:
+            both = (at({**values, key: values[key] + sign * step}) for sign in (1.0, -1.0))
+            slope[:] = (next(both) - next(both)) / (2.0 * step)
+    slopes[~np.isfinite(slopes)] = 0.0  # half of a step may be no value, as a speed below zero
     covariance = comparison.estimate.covariance
     if covariance is None:
         covariance = np.diag(np.array(list(errors.values())) ** 2)
     free = int(np.sum(np.any(slopes != 0.0, axis=1)))
     variance = np.maximum(np.sum(slopes * (covariance @ slopes), axis=0), 0.0)
     drives = -taken > np.sqrt(chi2.isf(significance, max(free, 1)) * variance)
-    moving = ~problem.resting
     return float(np.mean(drives[moving])) if np.any(moving) else 0.0
 
 
