@@ -149,8 +149,11 @@ def colour(log: Log, noises: dict[str, Noise]) -> Iterator[Finding]:
             channel,
             f"the noise of the {log.called(channel)} is not white: it {'falls' if low_passed else 'rises'} with the "
             f"frequency ({figures(np.exp(abs(found.tilt)))} : 1 in power)"
-            + (", as after a low-pass filter" if low_passed else ", as after a difference"),
-            "log it unfiltered" if low_passed else "",
+            + (", as after a low-pass filter" if low_passed else ", as after a difference")
+            + (", or as its controller gives it" if channel == "torque" else ""),
+            ("if it was filtered, log it unfiltered" if channel == "torque" else "log it unfiltered")
+            if low_passed
+            else "",
         )
 
 
