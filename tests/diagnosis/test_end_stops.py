@@ -60,3 +60,4 @@ def test_what_holds_a_drive_at_the_ends_of_its_travel_is_told_as_an_end_stop(at:
     assert ("as a brake or an end stop does" in where) is not stops
     said = answer(document(found))
     assert ("Leave out what touches an end stop" in said.next) is stops
+    assert ("Find out whether something else holds it at rest" in said.next) is not stops

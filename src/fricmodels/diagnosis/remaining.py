@@ -19,7 +19,7 @@ from fricmodels.diagnosis.sought_functions import ends_of_stretch
 from fricmodels.diagnosis.where import in_words
 from fricmodels.dimension import DISPLACEMENT, FORCE, Motion
 from fricmodels.recording import Recording
-from fricmodels.results.words import ALONG, END_STOP
+from fricmodels.results.words import ALONG, END_STOP, HELD_AT_REST
 from fricmodels.signals import resting
 from fricmodels.weakform.regression import to_order_by
 
@@ -141,7 +141,7 @@ def held_at_rest(comparison: Comparison) -> str:
     if held <= friction * _MUCH:
         return ""
     unit = FORCE.unit(drive.motion)
-    why = "its friction at rest is larger than in motion, or something else holds it, as a brake or an end stop does"
+    why = f"its friction at rest is larger than in motion, or something else holds it, {HELD_AT_REST}"
     ends = _ends(prepared, still, beyond > 0.5 * held)
     if ends:
         length = DISPLACEMENT.unit(drive.motion)

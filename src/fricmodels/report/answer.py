@@ -18,7 +18,7 @@ from fricmodels.readers.standard_names import STANDARD
 from fricmodels.report.error_words import error_words, noise_left, of_noise, within_noise
 from fricmodels.report.reliability import CHANGING, ONE_SINE, RECORDS
 from fricmodels.report.wording import counted, listed, listed_classes, percent, share, shows_no_inertia, small
-from fricmodels.results.words import END_STOP, LINE, SAMPLING, figures, form, predictor
+from fricmodels.results.words import END_STOP, HELD_AT_REST, LINE, SAMPLING, figures, form, predictor
 
 if TYPE_CHECKING:
     from fricmodels.report.page import Tone
@@ -239,6 +239,8 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
         text = "Record what this log lacks (another joint, a temperature, a load). To see where the error lies:"
         if rest.where.endswith(END_STOP):
             text = "Leave out what touches an end stop, and look again. To see where the error lies:"
+        elif rest.where.endswith(HELD_AT_REST):
+            text = "Find out whether something else holds it at rest, and leave that out. To see where the error lies:"
         if rest.channel and rest.channel not in AUTOREGRESSIVE:
             text = (
                 f"What remains goes with {predictor(rest.channel)}, in a form that no effect on the list has; "

@@ -135,6 +135,8 @@ def with_spread(value: float, error: float | None) -> str:
 
 END_STOP = "an end stop"
 """Ends what is said of a drive that is held at the ends of its travel."""
+HELD_AT_REST = "as a brake or an end stop does"
+"""Ends what is said of a drive that is held at rest by more than its friction in motion."""
 COMBINED = "the recording determines only a combination of it with"
 """Begins the reason why a parameter is not identified, where others take its place."""
 CONTAINS_ZERO = "contains zero"
