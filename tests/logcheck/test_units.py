@@ -118,3 +118,14 @@ def test_a_time_in_minutes_is_told_by_the_ratio_of_the_motions_and_by_the_inerti
     """The inertia is sixty times as large, near to the 57 of degrees; the ratio of the motions is 1/60, and no 1/57."""
     assert minutes(True) == ("unit", "give the unit, as in --column time=t:min")
     assert minutes(False) == ("velocity-scale", "if it is a unit, give it, as in --column time=t:min")
+
+
+@pytest.mark.parametrize(("times", "unit"), [(1e9, "ns"), (1e6, "us"), (1e3, ""), (1.0, ""), (1e-3, "")])
+def test_samples_that_are_farther_apart_than_those_of_any_drive(times: float, unit: str) -> None:
+    """Two milliseconds in nanoseconds are 23 days; two seconds may be."""
+    clean = drive()
+    columns = {"time": "time=t", "torque": "torque=torque_Nm", "velocity": "velocity=v"}
+    channels = {name: clean[name] for name in ("torque", "velocity")}
+    read = replace(clean, channels={"time": times * clean.time, **channels}, provenance={"columns": columns})
+    said = [one.remedy for one in findings(read) if one.channel == "time" and one.kind == "unit"]
+    assert said == ([f"if it is in {unit} say so, as in --column time=t:{unit}"] if unit else [])

@@ -9,6 +9,7 @@ import numpy as np
 
 from fricmodels.logcheck import (
     angle,
+    clock,
     colour,
     command,
     dead_band,
@@ -81,6 +82,8 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
     if not related:
         yield from scale.scale(log)
         yield from rates.lag(log)
+    if not any(finding.channel == "time" for finding in (*related, *judged)):
+        yield from clock.far_off(log)
     yield from limits.torque_limit(log)
     yield from end_stops.end_stop(log)
     yield from dead_band.dead(log)

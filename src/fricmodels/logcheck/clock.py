@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.results.words import figures
@@ -14,11 +16,30 @@ MATCHES = 0.01
 _LONGEST, _SHORTEST = 0.1, 5e-6
 """Seconds between two samples: friction at reversals does not show at fewer than ten samples a second, and no drive is
 recorded at more than some hundred thousand."""
+_FAR = 1000.0
+"""Times beyond that a unit is likelier than such a recording."""
 
 
 def is_of_minutes(scale: float) -> bool:
     """Whether a rate in a second is that share of the change of its quantity in what was taken for one."""
     return abs(_MINUTE * scale - 1.0) < MATCHES
+
+
+def far_off(log: Log) -> Iterator[Finding]:
+    """Say that samples are a thousand times farther apart than any drive's, or nearer, where one unit mends it."""
+    interval = log.recording.interval
+    if _SHORTEST / _FAR <= interval < _LONGEST * _FAR:
+        return
+    now = next((p for p, unit in _UNITS.items() if unit == log.column("time")[1]), 0)
+    fitting = [unit for p, unit in _UNITS.items() if _SHORTEST <= interval * 10.0 ** (p - now) < _LONGEST]
+    if len(fitting) == 1:
+        yield Finding(
+            "unit",
+            Severity.WARN,
+            "time",
+            f"from sample to sample it is {figures(interval, 3)} s as the {log.called('time')} is read",
+            f"if it is in {fitting[0]} say so, as in {log.option('time', fitting[0])}",
+        )
 
 
 def other_unit(log: Log, power: int) -> str:
