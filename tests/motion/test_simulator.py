@@ -167,6 +167,19 @@ def test_windows_forget_and_runs_begin_anew() -> None:
     assert np.count_nonzero(Simulator(drive(), parts).scored) == len(recording) - 3
 
 
+def test_finer_steps_come_nearer_to_the_motion() -> None:
+    """A pendulum that swings in 0.4 s, logged at 25 Hz: one step a sample is coarse; the error falls with the steps."""
+    swinging = drive("coulomb-viscous+gravity")
+    values = {**VALUES, "gravity.a": 0.0, "gravity.b": 2.5}
+    time = np.arange(0, 8.0, 0.04)
+    log = simulate(swinging, values, time, 8.0 * torque_at(time), with_position=True)
+    ways = [Simulator(swinging, replace(log, provenance={}), substeps=n)(values)[0] for n in (1, 4, 16, 256)]
+    off = [float(np.nanmax(np.abs(way - ways[-1]))) for way in ways[:-1]]
+    assert off[0] > 3.0 * off[1] > 9.0 * off[2] > 0.0
+    with pytest.raises(InputError, match="substeps must be at least 1"):
+        Simulator(drive(), log, substeps=0)
+
+
 def test_memory_is_carried_into_a_window() -> None:
     """A contact that is bent when a window begins is bent as it is along the measured motion."""
     name = "coulomb-viscous+presliding"

@@ -44,6 +44,7 @@ class Simulator:
         recording: prepared (:func:`fricmodels.weakform.prepared.ready`), with a position or a velocity.
         loop: what pushes the drive, in place of the recorded torque.
         horizon: samples of a window; each run in one piece if not given (free run).
+        substeps: steps of integration per sampling interval.
         between_samples: ``linear`` or ``held``.
         initial_samples: from which the state is estimated that a window starts from, see
             :func:`fricmodels.motion.start.state_at`; if not given 20, or as many as a noisy position is smoothed over.
@@ -61,19 +62,22 @@ class Simulator:
         *,
         loop: Loop | None = None,
         horizon: int | None = None,
+        substeps: int = 1,
         between_samples: Between = "linear",
         initial_samples: int | None = None,
         compiled: bool = True,
     ) -> None:
         if horizon is not None and horizon < 1:
             raise InputError(f"a horizon is at least one sample, got {horizon}")
+        if substeps < 1:
+            raise InputError(f"substeps must be at least 1, got {substeps}")
         _require(drive, loop, recording)
         self.drive, self.recording, self.loop, self.horizon = drive, recording, loop, horizon
         self.between_samples: Between = between_samples
         self.keys = (*drive.keys, *(f"{PREFIX}{p.symbol}" for p in (() if loop is None else loop.free)))
         if initial_samples is None:
             initial_samples = max(SAMPLES, 2 * recording.derived_over + 1)
-        self._windows, first = list[_Window](), list[int]()
+        self._substeps, self._windows, first = substeps, list[_Window](), list[int]()
         self._scan = stepping(drive, loop) if compiled else Interpreted(phase_of_step(drive, loop))
         for number in recording.run_numbers:
             index = np.flatnonzero(recording.run == number)
@@ -109,15 +113,15 @@ class Simulator:
 
     def _rows_of(self, recording: Recording) -> list[Array]:
         """Return what drives each window, and what a step of it needs beside its state."""
-        rows = []
+        rows, stride = [], PHASES * self._substeps
         for number in recording.run_numbers:
             index = np.flatnonzero(recording.run == number)
-            own = stepping_rows(self.drive, recording.select(index), self.between_samples, 1, self.loop)
+            own = stepping_rows(self.drive, recording.select(index), self.between_samples, self._substeps, self.loop)
             for window in self._windows:
                 if index[0] <= window.first <= index[-1]:
                     begin = window.first - int(index[0])
                     end = begin + window.predicted.stop - window.predicted.start
-                    rows.append(own[PHASES * begin : PHASES * end])
+                    rows.append(own[stride * begin : stride * end])
         return rows
 
     def _timed(self, values: Mapping[str, float]) -> tuple[list[Array], Mapping[str, float]]:
@@ -154,11 +158,12 @@ class Simulator:
         own = [] if self.loop is None else [state.initial for state in self.loop.states]
         along = self.drive.states(self.recording, parameters) if declared and any(self._later) else ()
         position, velocity = np.empty(len(self.recording)), np.empty(len(self.recording))
+        scan, stride = self._scan, PHASES * self._substeps
         for window, own_rows, later, begins in zip(self._windows, rows, self._later, self._first, strict=True):
             at = (window.start.velocity + moved_velocity, window.start.position + moved_position)
             states = [float(state[window.first]) for state in along] if later else declared
-            _, outputs, done = self._scan([*at, *states, *own, 0.0], own_rows, constants, stride=PHASES)
-            outputs[done // PHASES :] = np.nan
+            _, outputs, done = scan([*at, *states, *own, 0.0], own_rows, constants, stride=stride)
+            outputs[done // stride :] = np.nan
             outputs[~(np.abs(outputs) < _GREATEST).all(axis=1)] = np.nan
             velocity[window.predicted], position[window.predicted] = outputs.T
             if begins:
