@@ -216,3 +216,20 @@ def test_a_column_in_an_angle_beside_a_linear_axis_without_a_force_is_no_acciden
         assign([], ["1e-05", "qd [deg/s]"], Motion.LINEAR)
     with pytest.raises(InputError, match="--column 'force=motor force \\[kN\\]"):
         assign([], ["time_s", "velocity_m_s", "force angle [deg]", "motor force [kN]"], Motion.LINEAR)
+
+
+@pytest.mark.parametrize(
+    ("present", "motion", "option"),
+    [
+        (["time_s", "velocity_rad_s", "M [Nm]", "U [V]"], Motion.ROTARY, "--column 'torque=M [Nm]'"),
+        (["time_s", "velocity_m_s", "F [kN]"], Motion.LINEAR, "--column 'force=F [kN]'"),
+        (["time_s", "velocity_rad_s", "Ph1 [mA]", "U [V]"], Motion.ROTARY, "--column 'current=Ph1 [mA]'"),
+        (["time_s", "torque_Nm", "n1 [rpm]"], Motion.ROTARY, "--column 'velocity=n1 [rpm]'"),
+        (["time_s", "velocity_rad_s", "M1 [Nm]", "M2 [Nm]"], Motion.ROTARY, "--column torque=COLUMN"),
+    ],
+)
+def test_a_column_that_alone_states_a_unit_of_what_is_lacking_is_proposed(
+    present: list[str], motion: Motion, option: str
+) -> None:
+    with pytest.raises(InputError, match=re.escape(option)):
+        assign([], present, motion)

@@ -307,6 +307,16 @@ def _may_be(column: str, channel: str) -> bool:
     return may_measure(column, ALIASES.get(channel, channel))
 
 
+def _measured_in(channels: Sequence[str], free: Sequence[str]) -> tuple[str, str] | None:
+    """Return the one column that states a unit of one of some channels, whatever it is called, as ``M [Nm]``."""
+    stated = []
+    for channel in channels:
+        own = ALIASES.get(channel, channel)
+        found = ((name, _stated_size(name, own)) for name in free)
+        stated += [(channel, name) for name, unit in found if unit is not None and units.fits(unit, own)]
+    return stated[0] if len({name for _, name in stated}) == 1 else None
+
+
 def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]) -> None:
     force = "force" if motion is Motion.LINEAR else "torque"
     every = (("time",), (force, "current"), ("velocity", "position"))
@@ -317,7 +327,8 @@ def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]
     options = []
     for any_of in missing:
         channels = tuple(dict.fromkeys((*any_of, *(ALIASES.get(channel, channel) for channel in any_of))))
-        channel, column = likely(channels, _free(found, present, channels), _may_be) or (any_of[0], None)
+        free = _free(found, present, channels)
+        channel, column = likely(channels, free, _may_be) or _measured_in(channels, free) or (any_of[0], None)
         options.append(_option(channel if channel in any_of else any_of[0], column))
     needed = _listed(["the " + " or ".join(any_of) for any_of in missing], "and")
     standard = _listed([STANDARD[motion][ALIASES.get(c, c)] for any_of in missing for c in any_of], "or")
