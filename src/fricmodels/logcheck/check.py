@@ -76,7 +76,8 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
         yield from magnitude.magnitude(log, rows)
         yield from torque.sign(log, found)
         yield from judged
-        yield from torque.voltage(log, found, has_its_inertia=given_inertia.is_right(rows, inertia))
+        if (voltages := list(torque.voltage(log, found))) and not given_inertia.is_right(rows, inertia):
+            yield from voltages  # of one the inertia would be off by the resistance over the torque constant
         yield from delay.delay(log, rows)
         yield from angle.periods(log, found)
     if not related:

@@ -52,17 +52,14 @@ def sign(log: Log, found: Balance) -> Iterator[Finding]:
     )
 
 
-def voltage(log: Log, found: Balance, *, has_its_inertia: bool) -> Iterator[Finding]:
+def voltage(log: Log, found: Balance) -> Iterator[Finding]:
     r"""Judge whether what is taken for a torque may be a voltage: the back-EMF makes it go with the velocity.
 
     Said where :math:`K_v\omega` makes three quarters of the torque's variance, both beside the other terms and without
     them, and is certainly positive: beside a Coulomb torque it may be large only because the two cancel. A drive whose
     friction is nearly all viscous looks the same, so that this is no more than a question, and none of a current whose
-    column says its unit, nor where the inertia that is given is that of the recording: of a voltage it would be off by
-    the resistance over the torque constant.
+    column says its unit.
     """
-    if has_its_inertia:
-        return
     columns = log.recording.provenance.get("columns", {})
     if "torque" not in columns and "current" in columns and log.column("current")[1]:
         return

@@ -16,9 +16,9 @@ def with_whole_stamps(table: pd.DataFrame) -> pd.DataFrame:
     ``header.stamp.secs`` and ``header.stamp.nsecs`` make ``header.stamp``. Taken alone the one stands still for a
     second, and the other jumps back each second.
     """
-    present = [str(name) for name in table.columns]
     from pandas.api.types import is_numeric_dtype
 
+    present = [str(name) for name in table.columns]
     for place, name in enumerate(present):
         for whole, part in _PARTS:
             stem = name.removesuffix(whole)

@@ -11,6 +11,7 @@ from fricmodels.errors import InputError
 from fricmodels.once import once
 from fricmodels.processes import give_back
 from fricmodels.recording import Recording
+from fricmodels.score.bands import WINDOWS
 from fricmodels.signals import best_half_width, noise_of, prepare, velocity_noise, with_derived_velocity
 from fricmodels.signals.beginnings import with_true_beginnings
 from fricmodels.signals.counted import with_counted_position
@@ -22,8 +23,8 @@ from fricmodels.signals.stamp_noise import with_false_stamps
 from fricmodels.signals.stamps import with_even_stamps
 from fricmodels.weakform.smoothed import MAX_SAMPLES
 
-_TYPICAL, _WINDOW = 40, 0.1
-"""Samples that a test function of usual width spans, and the longest window over which errors are printed [s]."""
+_TYPICAL = 40
+"""Samples that a test function of usual width spans."""
 _CLEARLY = 2.0
 """Times the noise; a convention."""
 
@@ -134,7 +135,7 @@ def _is_quieter(position: Noise, velocity: Noise, interval: float) -> bool:
         interval: h between samples [s].
     """
     ratio = 1.0
-    reach = max(1, round(_WINDOW / interval))
+    reach = max(1, round(max(WINDOWS) / interval))
     triangle = 1.0 - np.abs(np.arange(1 - reach, reach)) / reach
     bump = (1.0 - np.linspace(-1.0, 1.0, _TYPICAL + 1)[1:-1] ** 2) ** 2
     for changes in (triangle, bump):
