@@ -53,13 +53,14 @@ def all_of_the_error(refits: Refits, judgement: Judgement) -> list[LookAlikes]:
 
     The rows judge an effect beside a fitted model to first order. Where that has the wrong values without the effect,
     as a resonance has beside another inertia, a channel predicts more in its place; with the effect fitted nothing is
-    left that any could predict. Nothing is what would be no gain, see ``least_gain``; what explains less than its
-    share to first order is not tried.
+    left that any could predict. Nothing is what would be no gain, see ``least_gain``. What explains less than its share
+    to first order is not tried, nor what a channel outpredicts that it is no function of: no fit makes it one.
     """
     policy, before = refits.policy, refits.comparison
     if not is_far_above_noise(before, policy):
         return []
-    large = [found for found, _ in judgement.members if found.first.evidence.explained >= policy.own_share]
+    possible = [found for found, support in judgement.members if not support.by_another_signal]
+    large = [found for found in possible if found.first.evidence.explained >= policy.own_share]
     tried = [found for found in large if found.first.once < policy.significance_once]
     fitted = [(found, refits.with_effect(found.first)) for found in tried[: policy.step_trials]]
     there = [found for found, after in fitted if after is not None and _nothing_is_left(before, after, policy)]

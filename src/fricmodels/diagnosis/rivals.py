@@ -11,7 +11,9 @@ from fricmodels.diagnosis.basis_functions import OF_TIME, OF_WAVES
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.effect_set import Gain, passing_beside, visible_of
 from fricmodels.diagnosis.one_cause import credited, is_simpler, predicts_beside
-from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
+from fricmodels.diagnosis.own_channel import may_be_of
+from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
+from fricmodels.diagnosis.verdict import LookAlikes
 from fricmodels.weakform.regression import Regression, compare
 from fricmodels.weakform.shifted import regression_of
 
@@ -31,6 +33,25 @@ class Instead:
     channels: frozenset[str]
     tried: int
     terms: int
+
+
+@dataclass(frozen=True)
+class Outpredicted:
+    """By how much something else predicts clearly more than an effect in its place.
+
+    Attributes:
+        ratio: least ratio of what the effect explains to what is explained in its place; infinite if nothing is better.
+        by_another_signal: whether something is better that neither the effect nor a look-alike is a function of, and
+            explains more, with no more terms, than the best channel of their own signals. Where the form of an effect
+            that is there is a little wrong, a channel of its own signals explains as much.
+    """
+
+    ratio: float = float("inf")
+    by_another_signal: bool = False
+
+    def or_by(self, other: Outpredicted) -> Outpredicted:
+        """Return this with what another one says besides."""
+        return Outpredicted(min(self.ratio, other.ratio), self.by_another_signal or other.by_another_signal)
 
 
 def is_better(
@@ -78,9 +99,9 @@ def is_better(
 
 
 def against_channels(
-    result: CandidateTests, gain: Gain, first: CandidateTest, beside: Array, together: Array | None = None
-) -> float:
-    """Return the least ratio of what an effect explains to what a channel explains that predicts clearly more.
+    result: CandidateTests, gain: Gain, found: LookAlikes, beside: Array, together: Array | None = None
+) -> Outpredicted:
+    """Return whether a channel predicts clearly more than an effect in its place.
 
     The past of the residual or of the torque is no such channel: it shows all that lasts, whatever its form. A
     channel beside which the effect still does most of what it does is another cause. Against an effect of the time
@@ -89,28 +110,47 @@ def against_channels(
     Args:
         result: the residual.
         gain: what the effect does beside the given columns.
-        first: the effect.
+        found: the effect with its look-alikes.
         beside: these columns, shape (k, rows).
         together: columns of the effect and of a description of the rest. Then only a channel counts that explains as
             much as both do, with fewer terms.
     """
-    policy, least = result.policy, float("inf")
+    policy, first, least = result.policy, found.first, Outpredicted()
     planned = OF_TIME if first.effect.depends_on_time else ()
-    for predictor in passing_beside(result, gain.without, as_rivals=True, planned=planned):
-        if predictor.channels in AUTOREGRESSIVE:
-            continue
-        own, theirs = credited(result, gain.before, gain.fall, gain.before - float(np.sum(predictor.evidence.loss)))
+    passing = passing_beside(result, gain.without, as_rivals=True, planned=planned)
+    channels = [p for p in passing if p.channels not in AUTOREGRESSIVE]
+    own_best = min((p for p in channels if _may_be_of(result, found, p)), key=_left, default=None)
+    for predictor in channels:
+        own, theirs = credited(result, gain.before, gain.fall, gain.before - _left(predictor))
         if own >= theirs:
+            continue
+        is_other = not _may_be_of(result, found, predictor)
+        here = Outpredicted(own / theirs, is_other and _is_simpler_and_better(predictor, own_best))
+        if here.ratio >= least.ratio and here.by_another_signal <= least.by_another_signal:
             continue
         if together is not None and not is_simpler(result, gain.without, beside, together, predictor):
             continue
         both = gain.without.test(visible_of(gain.without, np.vstack([predictor.columns, gain.columns])))
-        kept = float(np.sum(predictor.evidence.loss)) - float(np.sum(both.loss))
-        if kept >= policy.kept * gain.fall or own / theirs >= least:
+        kept = _left(predictor) - float(np.sum(both.loss))
+        if kept >= policy.kept * gain.fall:
             continue
         other = regression_of(result.problem, result.parameters, np.vstack([beside, predictor.columns]))
-        channels = frozenset({predictor.channels})
-        instead = Instead(predictor.columns, channels, predictor.tried, predictor.terms)
-        if is_better(result, first, gain, own / theirs, other, predictor.evidence.loss, instead):
-            least = own / theirs
+        instead = Instead(predictor.columns, frozenset({predictor.channels}), predictor.tried, predictor.terms)
+        if is_better(result, first, gain, here.ratio, other, predictor.evidence.loss, instead):
+            least = least.or_by(here)
     return least
+
+
+def _left(predictor: ChannelPredictor) -> float:
+    """Return the squared residual that a channel leaves."""
+    return float(np.sum(predictor.evidence.loss))
+
+
+def _may_be_of(result: CandidateTests, found: LookAlikes, predictor: ChannelPredictor) -> bool:
+    """Whether an effect or one of its look-alikes may be a function of a channel."""
+    return any(may_be_of(result.problem, tested.effect, predictor.channels) for tested in found.members)
+
+
+def _is_simpler_and_better(one: ChannelPredictor, other: ChannelPredictor | None) -> bool:
+    """Whether a channel explains more than another one with no more terms; not if there is no other one."""
+    return other is not None and one.terms <= other.terms and _left(one) < _left(other)

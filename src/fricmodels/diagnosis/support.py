@@ -30,7 +30,7 @@ from fricmodels.diagnosis.floor import share_explained
 from fricmodels.diagnosis.one_cause import credited, is_simpler
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
-from fricmodels.diagnosis.rivals import Instead, against_channels, is_better
+from fricmodels.diagnosis.rivals import Instead, Outpredicted, against_channels, is_better
 from fricmodels.diagnosis.verdict import is_large_over_all_motion, outside
 from fricmodels.diagnosis.walk import p_beside_a_walk, waves_of_walks
 from fricmodels.diagnosis.wave_form import any_form, has_another_form
@@ -52,6 +52,8 @@ class Support:
         over_all_motion: whether it is large there, though small in the rows.
         beside_one_channel: whether it stands in the place of one of the channels that describe the rest, beside the
             others: then it was asked already whether one of them is all of it.
+        by_another_signal: whether what explains more is of signals that it is no function of, see
+            :class:`.rivals.Outpredicted`.
         another_form: whether it is a wave, and what is there is that wave in another form; asked where all else holds.
     """
 
@@ -62,6 +64,7 @@ class Support:
     p_beside_walk: float = 0.0
     over_all_motion: bool = False
     beside_one_channel: bool = False
+    by_another_signal: bool = False
     another_form: bool = False
 
     def is_large(self, policy: Policy) -> bool:
@@ -77,9 +80,13 @@ class Support:
         return (
             self.p_value < policy.significance
             and self.p_beside_walk < policy.walk_significance
-            and self.of_channel >= policy.of_channel
+            and not self.is_outpredicted(policy)
             and not self.another_form
         )
+
+    def is_outpredicted(self, policy: Policy) -> bool:
+        """Whether a channel explains so much more in its place that the cause is another one."""
+        return self.by_another_signal or self.of_channel < policy.of_channel
 
 
 def support_of(result: CandidateTests, member: Member, others: list[Member], rest: Rest) -> Support:
@@ -277,27 +284,27 @@ class _Place:
 
 
 def _support_of(result: CandidateTests, member: Member, place: _Place) -> Support:
-    described, of_rest, instead = gain_of(result, place.base, member), float("inf"), place.instead
+    described, of_rest, instead = gain_of(result, place.base, member), Outpredicted(), place.instead
     if len(instead.columns):
         other = regression_of(result.problem, result.parameters, np.vstack([place.base, instead.columns]))
         of_instead = described.before - float(np.sum(other.loss))
         ours, theirs = credited(result, described.before, described.fall, of_instead)
         first = member.found.first
         if theirs > ours and is_better(result, first, described, ours / theirs, other, other.loss, instead):
-            of_rest = ours / theirs
+            of_rest = Outpredicted(ours / theirs)
     lasting = place.lasting
     full = gain_of(result, np.vstack([place.base, lasting]), member) if len(lasting) else described
     found = Support(
         share_explained(result.problem, full.before, full.before - full.fall, result.policy),
-        of_rest,
+        of_rest.ratio,
         float(np.sqrt(max(full.fall, 0.0) / np.sum(acting(result.problem) ** 2))),
         full.p_value,
     )
     if not found.but_for_its_share(result.policy):
         return found  # no channel need be asked
-    rivals = [against_channels(result, described, member.found.first, place.base)]
+    rival = of_rest.or_by(against_channels(result, described, member.found, place.base))
     if len(place.base) > len(place.named):
         together = np.vstack([place.base, member.columns])[len(place.named) :]
         alone = gain_of(result, place.named, member)
-        rivals.append(against_channels(result, alone, member.found.first, place.named, together))
-    return replace(found, of_channel=min(rivals)) if min(rivals) < of_rest else found
+        rival = rival.or_by(against_channels(result, alone, member.found, place.named, together))
+    return replace(found, of_channel=rival.ratio, by_another_signal=rival.by_another_signal)

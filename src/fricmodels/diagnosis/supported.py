@@ -122,7 +122,7 @@ class Judgement:
         A small share of what is left is no such thing: more may be missing.
         """
         own = [support for found, support in self.members if found.first is tested]
-        return any(s.of_channel < policy.of_channel for s in own)
+        return any(support.is_outpredicted(policy) for support in own)
 
 
 def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | None) -> Judgement:
