@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.conftest import INERTIA, Made
 
 from fricmodels.diagnosis import compare
+from fricmodels.diagnosis.basis_functions import basis_functions
 from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
+from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.sought_functions import _hats, ends_of_stretch, stretch
+from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
 
 
@@ -53,3 +58,21 @@ def test_no_other_stretch_explains_more(made: Made, seed: int) -> None:
     best = max(every, key=lambda ends: every[ends])
     columns = stretch(problem, regression, along=True)
     np.testing.assert_allclose(columns.sum(axis=0), hats[best[0] : best[1]].sum(axis=0), atol=1e-12)
+
+
+@pytest.mark.parametrize("step", [0.024, 0.1])
+def test_functions_of_a_channel_are_the_same_ones_with_more_noise(step: float) -> None:
+    """Moves at one speed, logged in steps, have fewer quantiles than with noise: hats stand on those without."""
+    time = np.arange(8000) / 200.0
+    within, forward = time % 2.0, (time // 2.0) % 2 == 0
+    velocity = np.where(forward, 4.0, -4.0) * np.clip(np.minimum(within, 1.9 - within) / 0.3, 0.0, 1.0)
+    noise = 0.003 * np.random.default_rng(0).standard_normal(8000)
+    torque = INERTIA * np.gradient(velocity, time) + 4.0 * velocity + 17.0 * np.sign(velocity) + noise
+    channels = {"time": time, "torque": torque, "velocity": step * np.round(velocity / step)}
+    result = examined(Recording("moves", Motion.ROTARY, channels, np.zeros(8000, dtype=np.int64)))
+    problem, regression = result.problem, result.regression
+    known = basis_functions(problem, regression, POLICY)
+    noisier = basis_functions(problem.perturbed, regression, POLICY, like=problem)
+    assert {name: noisier[name]().shape for name in noisier} == {name: known[name]().shape for name in noisier}
+    by_itself = basis_functions(replace(problem.perturbed), regression, POLICY)
+    assert by_itself["speed, along the motion"]().shape != known["speed, along the motion"]().shape

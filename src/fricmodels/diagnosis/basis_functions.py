@@ -53,20 +53,29 @@ _CLOSEST = 1e-5
 """Share of the longest distance or time since an event below which it is the event itself: less is rounding."""
 
 
-def basis_functions(problem: WeakFormProblem, regression: Regression, policy: Policy, only: str | None = None) -> Sets:
+def basis_functions(
+    problem: WeakFormProblem,
+    regression: Regression,
+    policy: Policy,
+    only: str | None = None,
+    like: WeakFormProblem | None = None,
+) -> Sets:
     """Return the basis functions in every channel that a recording has, and in its history, as integrals.
 
     Args:
         problem, regression: rows, and what is left of them.
         policy: decides which torques are clean.
         only: the one set that is wanted: others whose numbers have to be sought may be missing.
+        like: another problem with the same samples, whose functions these are to be; this one if not given. What hats
+            stand on is told by how signals are distributed, and with more noise that would be other functions.
     """
+    like = like or problem
     lasting = {
-        **_of_motion(problem),
+        **_of_motion(problem, like),
         **_of_position(problem),
         **_of_load(problem),
         **_of_further_channels(problem),
-        **_of_history(problem, regression, policy),
+        **_of_history(problem, like, regression, policy),
     }
     found: dict[str, Callable[[], Array]] = {
         name: partial(problem.integrated, name, partial(_integrals, problem, build)) for name, build in lasting.items()
@@ -153,13 +162,14 @@ def _integrals(problem: WeakFormProblem, build: Callable[[], Array]) -> Array:
     return problem.integrals(build())
 
 
-def _of_motion(problem: WeakFormProblem) -> Sets:
+def _of_motion(problem: WeakFormProblem, like: WeakFormProblem) -> Sets:
     points = problem.quadrature.recording
     velocity, time = points.velocity, points.time
     speed, side = np.abs(velocity), np.sign(velocity)
+    speeds = np.abs(like.quadrature.recording.velocity)
     found: dict[str, Callable[[], Array]] = {
-        "speed, along the motion": lambda: _turned(side, _hats(speed, _HATS)),
-        "speed, the same in both directions": lambda: _hats(speed, _HATS),
+        "speed, along the motion": lambda: _turned(side, _hats(speed, _HATS, speeds)),
+        "speed, the same in both directions": lambda: _hats(speed, _HATS, speeds),
         "time, along the motion": lambda: side * _slow(time),
         "time, along the motion, and speed": lambda: np.vstack([side * _slow(time), velocity * _slow(time)]),
         "time, finely, along the motion": lambda: side * _slow(time, _FINER),
@@ -169,7 +179,7 @@ def _of_motion(problem: WeakFormProblem) -> Sets:
         TORQUE_RATE: lambda: np.vstack([points["torque_rate"], side * np.abs(points["torque_rate"])]),
         "acceleration": lambda: _either_way(points["acceleration"], side),
         # To first order friction that lags: the rate of what depends on speed.
-        "acceleration and speed": lambda: _turned(points["acceleration"], _hats(speed, _HATS)),
+        "acceleration and speed": lambda: _turned(points["acceleration"], _hats(speed, _HATS, speeds)),
     }
     if "temperature" in points:
         warm = points["temperature"] - np.mean(points["temperature"])
@@ -227,18 +237,22 @@ def _along(side: Array, build: Callable[[], Array]) -> Array:
     return np.asarray(side * build())
 
 
-def _of_history(problem: WeakFormProblem, regression: Regression, policy: Policy) -> Sets:
+def _of_history(problem: WeakFormProblem, like: WeakFormProblem, regression: Regression, policy: Policy) -> Sets:
     @cache
     def history() -> MotionHistory:
         return MotionHistory.of(problem)
 
+    @cache
+    def past() -> MotionHistory:
+        return history() if like is problem else MotionHistory.of(like)
+
     def after_reversal() -> Array:
-        near = _log_hats(history().travelled, _HATS)
+        near = _log_hats(history().travelled, _HATS, past().travelled)
         again = problem.quadrature.recording["acceleration"] * near[: _HATS // 2]
         return np.vstack([_turned(history().side, near), again])
 
-    def after_start(since: Array) -> Array:
-        near = _log_hats(since, _HATS)
+    def after_start(since: Array, of: Array) -> Array:
+        near = _log_hats(since, _HATS, of)
         both = np.empty((2, *near.shape))
         both[0] = near
         np.multiply(np.log1p(history().dwell / problem.recording.interval), near, out=both[1])
@@ -249,9 +263,11 @@ def _of_history(problem: WeakFormProblem, regression: Regression, policy: Policy
     apart = problem.bumps.width + problem.half_width
     found: dict[str, Callable[[], Array]] = {
         "distance since the last reversal": after_reversal,
-        "time since the last reversal": lambda: _turned(history().side, _log_hats(history().turned, _HATS)),
-        "distance since motion began, and the rest before": lambda: after_start(history().moved),
-        "time since motion began, and the rest before": lambda: after_start(history().started),
+        "time since the last reversal": lambda: _turned(
+            history().side, _log_hats(history().turned, _HATS, past().turned)
+        ),
+        "distance since motion began, and the rest before": lambda: after_start(history().moved, past().moved),
+        "time since motion began, and the rest before": lambda: after_start(history().started, past().started),
         # Far enough before to share no noise with the rows.
         "acceleration shortly before": lambda: _earlier(problem, recording["acceleration"], apart + 2 * lags),
     }
@@ -295,13 +311,14 @@ def _either_way(values: Array, side: Array) -> Array:
     return np.vstack([both, side * both])
 
 
-def _hats(values: Array, count: int) -> Array:
-    return tents(values, np.quantile(values, np.linspace(0, 1, count)))
+def _hats(values: Array, count: int, of: Array) -> Array:
+    """Return hats that stand as closely as some values do, ``of`` which they are the quantiles."""
+    return tents(values, np.quantile(of, np.linspace(0, 1, count)))
 
 
-def _log_hats(values: Array, count: int) -> Array:
-    """Return hats that are the finer the nearer to zero; the last one reaches to the end."""
-    positive = values[values > _CLOSEST * np.max(values)]
+def _log_hats(values: Array, count: int, of: Array) -> Array:
+    """Return hats that are the finer the nearer to zero; the last one reaches to the end of the values ``of`` all."""
+    positive = of[of > _CLOSEST * np.max(of)]
     if not len(positive):
         return np.zeros((1, len(values)))
     largest, smallest = np.quantile(positive, [0.9, 0.01])

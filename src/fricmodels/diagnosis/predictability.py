@@ -93,7 +93,7 @@ def _is_only_noise(result: CandidateTests, channels: str, columns: Array, chosen
     Its columns are given whole: the acceleration that :func:`beside_inertia` takes out of them has noise of its own.
     """
     problem, regression, policy = result.problem, result.regression, result.policy
-    perturbed = basis_functions(problem.perturbed, regression, policy, channels).get(channels)
+    perturbed = basis_functions(problem.perturbed, regression, policy, channels, like=problem).get(channels)
     if perturbed is None:
         return False
     weights = evidence.coefficients[None]
