@@ -103,6 +103,19 @@ def test_damping_alone_is_no_contact_that_bends(made: Made) -> None:
     assert is_undetermined(with_values(F_1=0.0, F_2=0.0), "presliding")
     assert not is_undetermined(with_values(F_1=0.0), "presliding")
 
+    def with_wide_intervals(**values: float) -> Any:
+        """Give the torques intervals that hold zero, as where their sizes trade with a length that was sought."""
+        result = with_values(**values)
+        torques = ["presliding.F_1", "presliding.F_2"]
+        wide = {**result.estimate.standard_errors, **dict.fromkeys(torques, 100.0)}
+        unknown = dict.fromkeys(torques, "its 95 % interval contains zero")
+        return replace(result, estimate=replace(result.estimate, standard_errors=wide, not_identified=unknown))
+
+    assert is_undetermined(with_wide_intervals(), "presliding")
+    assert not is_undetermined(
+        with_wide_intervals(F_1=0.0), "presliding"
+    )  # zero at its bound: the other is a single one
+
 
 def test_an_inertia_that_takes_all_that_it_may_is_no_wrong_inertia(made: Made) -> None:
     fitted = compare(

@@ -180,13 +180,14 @@ def is_void(fitted: Comparison, name: str) -> bool:
 def is_undetermined(fitted: Comparison, name: str) -> bool:
     """Whether an effect has no torque, or several of which the recording determines none: its form is not known then.
 
-    A single one that the rows need is there, though its size may trade with a speed that was sought with it. Nor is one
-    unknown of which the recording tells only the sum with another one of the effect: with that held at 0 its interval
-    is clear of zero.
+    A single one that the rows need is there, though its size may trade with a speed that was sought with it; one that
+    is zero at its bound leaves the other a single one. Nor is one unknown of which the recording tells only the sum
+    with another one of the effect: with that held at 0 its interval is clear of zero.
     """
     estimate = fitted.estimate
     values, unknown, errors = estimate.parameters, estimate.not_identified, estimate.standard_errors
-    own = _linear_in(fitted, name)
+    none = {p.key for p in fitted.drive.model.linear_parameters if p.declared.lower == values[p.key] == 0.0}
+    own = [key for key in _linear_in(fitted, name) if key not in none]
 
     def may_be_nothing(key: str) -> bool:
         return values[key] == 0.0 or (key in unknown and abs(values[key]) < NORMAL_95 * errors.get(key, float("inf")))
