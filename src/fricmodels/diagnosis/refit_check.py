@@ -7,8 +7,9 @@ So where nothing is large enough in the rows, what is significant there is fitte
 The weak form also leaves out where a drive may have stuck, or turned twice, between two samples. An effect may do
 nearly all that it does there: a contact bends, a gap is crossed and friction falls within a few samples of standstill.
 So where the weak form names nothing, or an effect with memory with which the error hardly falls, effects are tested on
-all motion. There sampling alone may look like one of them. One counts only if most of it lies outside of the rows, and
-if the model that is fitted with it leaves far less of the whole recording.
+all motion. There sampling alone may look like one of them. One counts only if most of it lies outside of the rows, or
+they say so, too, but for how certain it is that the error falls, which few events do not tell. And the model that is
+fitted with it must leave far less of the whole recording.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ def refit_check(
     before = _error(comparison)
     if named is None:
         small = [] if passing_all_gates(result) else significant(result)
-        return _best(refits, result, small, out, before) or _on_all_motion(refits, out, before, policy)
+        return _best(refits, result, small, out, before) or _on_all_motion(refits, result, out, before)
     named = _with_a_simpler_one(refits, result, _led_by_fit(refits, named, policy))
     in_rows = 100 * torque_share(result, named.first.evidence)
     if not named.first.effect.states or in_rows > policy.residual_shows_error * before:
@@ -61,7 +62,7 @@ def refit_check(
     helps, after = _helps(refits, named.first, policy), min(before, _error(refits.with_effect(named.first)))
     if helps and after < policy.replacement * before:
         return named
-    return _on_all_motion(refits, out, policy.replacement * after, policy) or (named if helps else None)
+    return _on_all_motion(refits, result, out, policy.replacement * after) or (named if helps else None)
 
 
 def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes:
@@ -134,9 +135,13 @@ def _helps(refits: Refits, tested: CandidateTest, policy: Policy) -> bool:
     return falls_far or beyond_sampling_percent(fitted) < beyond_sampling_percent(comparison)
 
 
-def _on_all_motion(refits: Refits, leave_out: set[str], bound: float, policy: Policy) -> LookAlikes | None:
-    """Return the effect that explains all motion and leaves less than a bound [% of the RMS torque]."""
-    comparison = refits.comparison
+def _on_all_motion(refits: Refits, in_rows: CandidateTests, leave_out: set[str], bound: float) -> LookAlikes | None:
+    """Return the effect that explains all motion and leaves less than a bound [% of the RMS torque].
+
+    One that the rows see as well, and do not say to be there, counts if nothing but the certainty of its gain is
+    lacking in them.
+    """
+    comparison, policy = refits.comparison, in_rows.policy
     if _error(comparison) < policy.refit_fall:
         return None
     problem = replace(comparison.problem)  # a copy: what it remembers goes with it
@@ -144,9 +149,15 @@ def _on_all_motion(refits: Refits, leave_out: set[str], bound: float, policy: Po
     result = candidate_tests(every, parameters, leave_out=leave_out, policy=policy)
     # Few events hold what an effect does there, and of very different size, so that its gain is not significant. The
     # test error of the fitted model has to fall far in its place.
-    seen = [t for t in result.tested if t.adjusted < policy.significance and t.evidence.gain > 0.0]
-    passing = [t for t in seen if _share_in_rows(problem, t) < policy.judged_by_weak_form]
+    seen = _that_gain(result)
+    also = {t.name for t in _that_gain(in_rows)}
+    passing = [t for t in seen if t.name in also or _share_in_rows(problem, t) < policy.judged_by_weak_form]
     return _best(refits, result, passing, leave_out, bound)
+
+
+def _that_gain(result: CandidateTests) -> list[CandidateTest]:
+    """Return the effects that are significant, and gain on held-out blocks, however certain that gain is."""
+    return [t for t in result.tested if t.adjusted < result.policy.significance and t.evidence.gain > 0.0]
 
 
 def _best(

@@ -125,8 +125,9 @@ class RefitRules(Rules):
     judged_by_weak_form: float = rule(
         0.5,
         "squared share",
-        "An effect found over all motion is not considered if more than this share of it lies within the weak form.",
-        "Judgement: the weak form has tested it already.",
+        "An effect found over all motion is not considered if more than this share of it lies within the weak form, "
+        "unless it is significant and explains there, too, with a gain that few events do not make certain.",
+        "Judgement: the weak form has tested it already, and refused it (docs/decisions/rest.md).",
         off=math.inf,
     )
     refit_trials: int = rule(
