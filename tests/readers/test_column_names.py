@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,6 +14,7 @@ from fricmodels.errors import InputError
 from fricmodels.logcheck.check import findings
 from fricmodels.readers import read
 from fricmodels.readers.column_names import likely, overlooked
+from fricmodels.readers.columns import assign
 
 
 @pytest.mark.parametrize(
@@ -48,6 +51,46 @@ def test_a_column_with_the_number_of_a_joint_is_proposed() -> None:
 def test_a_word_within_a_name_proposes_it(name: str, channel: str) -> None:
     assert likely((channel,), ["counter", "quality", name]) == (channel, name)
     assert likely((channel,), [f"desired {name}"]) is None
+
+
+@pytest.mark.parametrize(
+    ("present", "proposed"),
+    [
+        (
+            "timestamp actual_q_0 actual_q_1 actual_qd_0 actual_qd_1 actual_current_0 actual_current_1",
+            ["timestamp", "actual_current_0", "actual_qd_0", "actual_q_0"],
+        ),
+        (
+            "time left_s0 left_s1 left_e1 left_s1_velocity left_e1_velocity left_s1_gravity_torque left_s1_effort",
+            ["time", "left_s1_effort", "left_s1_velocity"],
+        ),
+        ("stamp q1 q2 dq1 dq2 tau_J2", ["stamp", "tau_J2", "dq2", "q2"]),
+        ("log.t log.q(1) log.q(2) log.dq(1) log.dq(2) log.tau(1)", ["log.t", "log.tau(1)", "log.dq(1)", "log.q(1)"]),
+        ("millis() q1 i1", ["millis()", "i1", "q1"]),
+    ],
+)
+def test_columns_of_one_joint_are_proposed_as_public_logs_call_them(present: str, proposed: list[str]) -> None:
+    with pytest.raises(InputError, match="map them with") as told:
+        assign([], present.split(), None)
+    options = shlex.split(
+        re.sub(r"\[:UNIT\]", "", str(told.value).partition("map them with ")[2].partition("; columns")[0])
+    )
+    assert [option.partition("=")[2] for option in options if "=" in option] == proposed
+
+
+def test_columns_with_german_names_and_a_unit_of_several_joints_are_proposed() -> None:
+    axes = [f"A{i} {what}" for what in ("Istposition [°]", "Istgeschwindigkeit [°/s]", "Moment [Nm]") for i in (1, 2)]
+    asked_for = ["A1 Sollposition [°]", "A1 Sollgeschwindigkeit [°/s]"]
+    with pytest.raises(
+        InputError, match=r"'torque=A1 Moment \[Nm\]' --column 'velocity=A1 Istgeschwindigkeit \[°/s\]'"
+    ):
+        assign([], ["Zeit [s]", *asked_for, *axes], None)
+
+
+def test_the_joint_that_is_mapped_already_is_the_one_that_is_proposed() -> None:
+    present = ["time_s", "q1", "q2", "q3", "dq1", "dq2", "dq3", "tau1", "tau2", "tau3"]
+    with pytest.raises(InputError, match=r"--column velocity=dq3\[:UNIT\]"):
+        assign(["torque=tau3:Nm"], present, None)
 
 
 def test_what_was_measured_is_proposed_before_what_was_asked_for_and_its_parts() -> None:

@@ -57,3 +57,22 @@ def test_whole_numbers_below_the_settings_of_a_recorder_are_no_decimals(tmp_path
     rows = [f"{i},{int(100 * np.sin(0.3 * i))},{int(50 * np.cos(0.3 * i))}" for i in range(60)]
     (tmp_path / "log.csv").write_text("\n".join(["recorder,X1", "serial,7", *rows]) + "\n")
     assert len(read(tmp_path / "log.csv", columns=("time=1:ms", "position=2:deg", "torque=3:mN*m"))) == 60
+
+
+@pytest.mark.parametrize("mark", ["%", "# ", "%% "])
+def test_a_comment_above_rows_with_texts_names_the_columns(tmp_path: Path, mark: str) -> None:
+    """As ``rostopic echo -p`` writes them: an empty frame and the names of joints stand in every row."""
+    names = ["time", "field.header.frame_id", "field.name0", "field.name1", *NAMES[1:]]
+    rows = [",".join([time, "", "shoulder_pan", "elbow", *rest]) for time, *rest in ROWS]
+    (tmp_path / "log.csv").write_text("\n".join([mark + ",".join(names), *rows]) + "\n")
+    columns = ("time=time:s", "position=q_deg", "torque=tau [N*m]")
+    found = read(tmp_path / "log.csv", columns=columns)
+    assert len(found) == len(ROWS)
+    assert found.torque[0] == pytest.approx(1.0)
+
+
+def test_a_comment_above_a_header_is_no_header(tmp_path: Path) -> None:
+    """It has as many words as there are columns, and the line below it names them."""
+    lines = ["# bench two, run three", ",".join(NAMES), *(",".join(row) for row in ROWS)]
+    (tmp_path / "log.csv").write_text("\n".join(lines) + "\n")
+    assert len(read(tmp_path / "log.csv", columns=COLUMNS)) == len(ROWS)

@@ -210,3 +210,15 @@ def test_matlab_files_of_the_other_byte_order_come_back(tmp_path: Path) -> None:
     values = pd.DataFrame({"a": np.arange(3, dtype=">f8")})
     apart._write(values, tmp_path / "out")
     assert apart._taken(tmp_path / "log.mat", tmp_path / "out", 0)["a"].tolist() == [0.0, 1.0, 2.0]
+
+
+@pytest.mark.parametrize("joints", [2, 3])
+def test_rows_of_several_joints_at_each_time_are_told(tmp_path: Path, joints: int) -> None:
+    """A table of joint states holds a row of each joint at each stamp: no clock that is coarser than the samples."""
+    rows = ((0.01 * i, j, 0.03 * (i + 60 * j)) for i in range(200) for j in range(joints))
+    lines = [f"{time:.2f},joint{j},{np.sin(phase) + j:.6f},{np.cos(phase):.6f}" for time, j, phase in rows]
+    lines.insert(0, "time_s,name,position_rad,torque_Nm")
+    path = tmp_path / "states.csv"
+    path.write_text("\n".join(lines) + "\n")
+    with pytest.raises(InputError, match=f"rows of {joints} things, as of {joints} joints; write the rows of one"):
+        read(path)

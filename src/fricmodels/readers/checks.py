@@ -46,6 +46,8 @@ def check(recording: Recording, place: Callable[[int], str] = lambda row: f"samp
     _check_motion(recording, source)
 
 
+_CLOSER = 0.1
+"""Share of the distance to the next row at which the row of the same thing at the next time is, half of the time."""
 _TICKS, _TICKING = 3, 0.01
 """Pairs of equal stamps, and their share of all, that are no slips of a logger."""
 GREATEST = 1e153
@@ -75,6 +77,11 @@ def _check_time(recording: Recording, source: str, place: Callable[[int], str]) 
         cause = f"the time {here:.9g} s is repeated" if here == before else (
             f"the time goes back from {before:.9g} s to {here:.9g} s"
         )  # fmt: skip
+        if several := interleaved(recording):
+            raise InputError(
+                f"{source}: {place(row)}: {cause}: at each time there are rows of {several} things, as of {several} "
+                f"joints; write the rows of one of them to a file of its own"
+            )
         interval = ticking(recording)
         if interval:
             raise InputError(
@@ -91,6 +98,21 @@ def _check_time(recording: Recording, source: str, place: Callable[[int], str]) 
         number = recording.run_numbers[int(np.argmin(counts))]
         row = int(np.flatnonzero(recording.run == number)[0])
         raise InputError(f"{source}: {place(row)}: the run {number} has one sample only; remove it")
+
+
+def interleaved(recording: Recording) -> int:
+    """Return of how many things, as joints, there is a row at each time in turn; 0 where rows are not so.
+
+    Then all times have as many rows, and in some channel a row is far closer to that of the same thing at the next time
+    than to the next row.
+    """
+    times, count = np.unique(recording.time, return_counts=True)
+    number = int(count[0])
+    if number < 2 or len(times) < 3 or np.any(count != number) or np.any(np.diff(recording.time) < 0.0):
+        return 0
+    rows = [values.reshape(-1, number) for name, values in recording.channels.items() if name != "time"]
+    apart = ((np.abs(np.diff(each, axis=1)), np.abs(np.diff(each, axis=0))) for each in rows)
+    return number if any(np.median(own) < _CLOSER * np.median(others) for others, own in apart) else 0
 
 
 def ticking(recording: Recording) -> float | None:

@@ -24,7 +24,7 @@ from difflib import get_close_matches
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError, suggestion
 from fricmodels.readers import units
-from fricmodels.readers.column_names import likely, overlooked
+from fricmodels.readers.column_names import likely, of_one_joint, overlooked
 from fricmodels.readers.header_units import NoUnit, contradicting, doubtful, may_measure, stated_unit, without_unit
 from fricmodels.readers.standard_names import ALIASES, LINEAR, ROTARY, STANDARD, standard_columns
 from fricmodels.recording import OTHER
@@ -324,12 +324,18 @@ def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]
     if not missing:
         return
     _refuse_other_kind(found, motion, present, {channel for any_of in missing for channel in any_of})
-    options = []
+    options, beside = [], [column.column for column in found.values() if column.channel not in ("time", "run")]
     for any_of in missing:
         channels = tuple(dict.fromkeys((*any_of, *(ALIASES.get(channel, channel) for channel in any_of))))
         free = _free(found, present, channels)
-        channel, column = likely(channels, free, _may_be) or _measured_in(channels, free) or (any_of[0], None)
+        named = likely(channels, free, _may_be, beside) or _measured_in(channels, of_one_joint(free, beside))
+        channel, column = named or (any_of[0], None)
+        beside += [column] if column is not None and channel != "time" else []
         options.append(_option(channel if channel in any_of else any_of[0], column))
+        if channel == "velocity" and column is not None:
+            further = [name for name in _free(found, present, ("position",)) if name != column]
+            also = likely(("position",), of_one_joint(further, beside), _may_be, beside)
+            options += [_option(*also)] if also is not None else []
     needed = _listed(["the " + " or ".join(any_of) for any_of in missing], "and")
     standard = _listed([STANDARD[motion][ALIASES.get(c, c)] for any_of in missing for c in any_of], "or")
     coasts = f", or add one of zeros if the drive coasts without a {force}" if missing == [(force, "current")] else ""
@@ -372,7 +378,7 @@ def _option(channel: str, column: str | None) -> str:
     quoted = shlex.quote(option)
     if channel == "time" and column is None:
         return f"--column {option}[:UNIT], or at a known interval --column time={ROW}:5ms"
-    return f"--column {quoted}" if stated or quoted != option else f"--column {option}[:UNIT]"
+    return f"--column {quoted}" if stated else f"--column {quoted}[:UNIT]"
 
 
 def _listed(names: Sequence[str], last: str) -> str:

@@ -215,14 +215,21 @@ def _is_number(field: str, delimiter: str) -> bool:
 
 
 def _commented_header(path: Path, encoding: str, number: int, line: str) -> list[tuple[int, str]]:
-    """Return the comment right above the data if it names the columns, where the first line is numbers already."""
-    if number == 1 or not all(_NUMBER.match(field) for field in re.split(r"[\s,;|]+", line.strip()) if field):
+    """Return the comment right above the data if it names the columns, where the first line is values already.
+
+    Some of these may be texts, as the names of joints that ``rostopic echo -p`` repeats in every row; a line of names
+    has hardly a number.
+    """
+    if number == 1:
         return []
     with path.open(encoding=encoding, errors="replace") as stream:
         comment = [text for _, text in zip(range(number - 1), stream, strict=False)][-1].strip().lstrip("#% ")
     delimiter = _delimiter(comment, [line])
-    names = len(fields_of(comment, delimiter))
-    return [(number - 1, comment)] if names > 1 and names == len(fields_of(line, delimiter)) else []
+    names, values = fields_of(comment, delimiter), fields_of(line, delimiter)
+    if not len(names) == len(values) > 1:
+        return []
+    numbers, named = (sum(_is_number(field.strip(), delimiter) for field in fields) for fields in (values, names))
+    return [(number - 1, comment)] if 2 * numbers >= sum(map(bool, values)) and not named else []
 
 
 def _delimiter(header: str, body: list[str]) -> str:

@@ -162,7 +162,7 @@ def contradicting(column: str, channel: str) -> str | None:
 def may_measure(column: str, channel: str) -> bool:
     """Whether a column may be a channel by the unit in brackets at the end of its name; without one it may."""
     found = _BRACKETS.search(column)
-    if found is None or _SIZELESS.fullmatch(found[1]) or not units.known(found[1]):
+    if found is None or any(words.fullmatch(found[1]) for words in (_SIZELESS, _INDEX)) or not units.known(found[1]):
         return True
     return _usable(found[1], channel)
 
