@@ -129,3 +129,15 @@ def test_samples_that_are_farther_apart_than_those_of_any_drive(times: float, un
     read = replace(clean, channels={"time": times * clean.time, **channels}, provenance={"columns": columns})
     said = [one.remedy for one in findings(read) if one.channel == "time" and one.kind == "unit"]
     assert said == ([f"if it is in {unit} say so, as in --column time=t:{unit}"] if unit else [])
+
+
+@pytest.mark.parametrize(("counts_a_turn", "told"), [(4096, True), (1440, True), (0, False)])
+def test_a_position_in_whole_numbers_is_said_to_be_counts(counts_a_turn: int, told: bool) -> None:
+    """No encoder has steps of one radian; one of hundredths is not whole."""
+    recording = drive()
+    scale = counts_a_turn / (2 * np.pi) if counts_a_turn else 100.0
+    position = np.round(scale * recording["position"]) / (1.0 if counts_a_turn else 100.0)
+    counted = recording.with_channels(derived=False, position=position)
+    said = [one for one in findings(counted) if "counts of an encoder" in one.text]
+    assert bool(said) is told
+    assert all("--column position=q:count/4096" in one.remedy for one in said)

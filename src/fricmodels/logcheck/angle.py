@@ -19,6 +19,8 @@ _SPEEDS = {"deg": "deg/s", "turn": "turn/s", "rpm": "rpm"}
 _ROUNDING = 1e-20
 """Share of the torque's square below which what is left is rounding."""
 _TURN = {"deg": 360.0, "turn": 1.0}
+_FEWEST_COUNTS = 8
+"""Steps over which a position goes at least before it is said to be counts."""
 
 
 def wrapped(log: Log) -> Iterator[Finding]:
@@ -78,6 +80,23 @@ def grid(log: Log) -> Iterator[Finding]:
             "give the unit, as in "
             + " ".join([log.option("position", "deg"), *(log.option(other, "deg/s") for other in others)]),
         )
+
+
+def counts(log: Log) -> Iterator[Finding]:
+    """Say where a position is whole numbers: no encoder has steps of one radian or metre, but counts are such."""
+    if "position" not in log.measured or log.resolution["position"] != 1.0:
+        return
+    values = log.short.recording["position"]
+    if np.any(values != np.round(values)) or float(np.ptp(values)) < _FEWEST_COUNTS:
+        return
+    unit, one = ("radians", "count/4096") if log.rotary else ("metres", "1e-6 m")
+    yield Finding(
+        "unit",
+        Severity.WARN,
+        "position",
+        f"the {log.called('position')} is whole numbers, as counts of an encoder are, and is taken for {unit}",
+        f"say how much one is, as in {log.option('position', one)} for your encoder",
+    )
 
 
 def _decimal(step: float) -> bool:

@@ -63,6 +63,7 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
     yield from angle.wrapped(log)
     yield from samples.jumps(log)
     yield from angle.grid(log)
+    yield from angle.counts(log)
     rows = balances(log)
     found = best(rows)
     related = list(rates.consistency(log, found))
