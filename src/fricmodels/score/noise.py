@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -12,6 +11,7 @@ from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.signals import motion_noise, noise, noise_of, quantum, stretches
 from fricmodels.signals.lanczos import even_weights
+from fricmodels.signals.noise_colour import Noise
 from fricmodels.signals.segments import is_even
 from fricmodels.signals.switched import torque_noise
 from fricmodels.signals.unlike_files import NoiseOfFiles
@@ -79,7 +79,7 @@ def noise_like(recording: Recording, channel: str, rng: np.random.Generator) -> 
         if found.lasting and found.after(np.full(2 * _averaged(recording), 0.5 / _averaged(recording))) > _left(
             recording
         ):
-            found = replace(found, lasting=0.0, samples=0.0)
+            found = Noise(white_noise(recording, channel))  # how much is not lasting was told beside what is none
     elif channel == "acceleration":
         found = noise_of(recording.time, recording[channel], recording.run)
     drawn, fast = found.like(len(recording), rng), _fast(recording, channel)

@@ -60,10 +60,14 @@ def torque_noise(recording: Recording) -> Noise:
     """Return the noise of a torque, its lasting part as small as it may be; none of one that is switched.
 
     Rounding to a grid leaves errors of up to half a step where the values between are passed. A switch passes none.
+    What was cut from a recording has the noise of that: blocks of a few strokes tell it badly.
 
     Args:
         recording: of one or several runs.
     """
+    origin = recording.origin
+    if origin is not None and np.array_equal(origin.whole.torque[origin.index], recording.torque):
+        return torque_noise(origin.whole).at(origin.index)
     return with_own_noises(recording, _noise_of(recording), _noise_of)
 
 
