@@ -12,7 +12,10 @@ from fricmodels.diagnosis.policy import POLICY
 
 
 def candidate(name: str, adjusted: float, gain: float) -> Any:
-    return SimpleNamespace(name=name, adjusted=adjusted, evidence=SimpleNamespace(gain=gain, gain_p_value=0.1))
+    effect = SimpleNamespace(states=("z",) if name in ("backlash", "presliding") else ())
+    return SimpleNamespace(
+        name=name, effect=effect, adjusted=adjusted, evidence=SimpleNamespace(gain=gain, gain_p_value=0.1)
+    )
 
 
 def those(*candidates: Any) -> Any:
@@ -43,6 +46,24 @@ def test_what_the_rows_say_too_is_asked_on_all_motion(
         problem=SimpleNamespace(including_uncertain_motion=None), estimate=SimpleNamespace(parameters={})
     )
     refits: Any = SimpleNamespace(comparison=comparison)
-    in_rows = those(candidate("stribeck", adjusted, gain))
+    in_rows = those(candidate("presliding", 1.0, 0.2), candidate("stribeck", adjusted, gain))
     assert refit_check._on_all_motion(refits, in_rows, set(), 5.0) is None
     assert found == [["stribeck"] if asked else []]
+
+
+def test_only_the_best_of_those_that_rows_see_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each costs a fit, and all but one of them resemble that one."""
+    found: list[list[str]] = []
+    both = those(candidate("stribeck", 1e-20, 0.4), candidate("backlash", 1e-20, 0.3))
+    monkeypatch.setattr(refit_check, "candidate_tests", lambda *_, **__: both)
+    monkeypatch.setattr(refit_check, "replace", lambda problem: problem)
+    monkeypatch.setattr(refit_check, "_error", lambda _: 5.0)
+    monkeypatch.setattr(refit_check, "_share_in_rows", lambda *_: 0.6)
+    monkeypatch.setattr(refit_check, "_best", lambda *args: found.append([t.name for t in args[2]]))
+    problem = SimpleNamespace(including_uncertain_motion=None)
+    comparison: Any = SimpleNamespace(problem=problem, estimate=SimpleNamespace(parameters={}))
+    refits: Any = SimpleNamespace(comparison=comparison)
+    assert refit_check._on_all_motion(refits, both, set(), 5.0) is None
+    assert found == [["stribeck"]]
+    assert refit_check._on_all_motion(refits, those(candidate("backlash", 1e-20, 0.3)), set(), 5.0) is None
+    assert found[1] == []  # one with memory
