@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,8 +23,31 @@ def those(*candidates: Any) -> Any:
     return SimpleNamespace(tested=candidates, policy=POLICY)
 
 
+Asked = Callable[..., list[str]]
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> Asked:
+    """``asked(in_rows, everywhere, share)`` returns which candidates are fitted after all motion was looked at."""
+
+    def ask(in_rows: Any, everywhere: Any, share: float) -> list[str]:
+        found: list[str] = []
+        monkeypatch.setattr(refit_check, "candidate_tests", lambda *_, **__: everywhere)
+        monkeypatch.setattr(refit_check, "replace", lambda problem: problem)
+        monkeypatch.setattr(refit_check, "_error", lambda _: 5.0)
+        monkeypatch.setattr(refit_check, "_share_in_rows", lambda *_: share)
+        monkeypatch.setattr(refit_check, "_best", lambda *args: found.extend(t.name for t in args[2]))
+        problem = SimpleNamespace(including_uncertain_motion=None)
+        comparison = SimpleNamespace(problem=problem, estimate=SimpleNamespace(parameters={}))
+        refits: Any = SimpleNamespace(comparison=comparison)
+        assert refit_check._on_all_motion(refits, in_rows, set(), 5.0) is None
+        return found
+
+    return ask
+
+
 @pytest.mark.parametrize(
-    ("share", "adjusted", "gain", "asked"),
+    ("share", "adjusted", "gain", "is_asked"),
     [
         (0.4, 1.0, 0.0, True),  # most of it lies where rows are silent
         (0.6, 1.0, 0.3, False),  # rows see most of it, and say nothing
@@ -32,38 +56,19 @@ def those(*candidates: Any) -> Any:
     ],
 )
 def test_what_the_rows_say_too_is_asked_on_all_motion(
-    monkeypatch: pytest.MonkeyPatch, share: float, adjusted: float, gain: float, asked: bool
+    asked: Asked, share: float, adjusted: float, gain: float, is_asked: bool
 ) -> None:
     """Friction that falls near standstill in thirty moves: p < 1e-20 in rows, 33 % of the error, at p = 0.10."""
-    found: list[list[str]] = []
     everywhere = those(candidate("stribeck", 1e-20, 0.4), candidate("gravity", 1.0, 0.5))
-    monkeypatch.setattr(refit_check, "candidate_tests", lambda *_, **__: everywhere)
-    monkeypatch.setattr(refit_check, "replace", lambda problem: problem)
-    monkeypatch.setattr(refit_check, "_error", lambda _: 5.0)
-    monkeypatch.setattr(refit_check, "_share_in_rows", lambda *_: share)
-    monkeypatch.setattr(refit_check, "_best", lambda *args: found.append([t.name for t in args[2]]))
-    comparison: Any = SimpleNamespace(
-        problem=SimpleNamespace(including_uncertain_motion=None), estimate=SimpleNamespace(parameters={})
-    )
-    refits: Any = SimpleNamespace(comparison=comparison)
     in_rows = those(candidate("presliding", 1.0, 0.2), candidate("stribeck", adjusted, gain))
-    assert refit_check._on_all_motion(refits, in_rows, set(), 5.0) is None
-    assert found == [["stribeck"] if asked else []]
+    assert asked(in_rows, everywhere, share) == (["stribeck"] if is_asked else [])
 
 
-def test_only_the_best_of_those_that_rows_see_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_the_best_of_those_that_rows_see_is_asked_and_none_with_memory(asked: Asked) -> None:
     """Each costs a fit, and all but one of them resemble that one."""
-    found: list[list[str]] = []
-    both = those(candidate("stribeck", 1e-20, 0.4), candidate("backlash", 1e-20, 0.3))
-    monkeypatch.setattr(refit_check, "candidate_tests", lambda *_, **__: both)
-    monkeypatch.setattr(refit_check, "replace", lambda problem: problem)
-    monkeypatch.setattr(refit_check, "_error", lambda _: 5.0)
-    monkeypatch.setattr(refit_check, "_share_in_rows", lambda *_: 0.6)
-    monkeypatch.setattr(refit_check, "_best", lambda *args: found.append([t.name for t in args[2]]))
-    problem = SimpleNamespace(including_uncertain_motion=None)
-    comparison: Any = SimpleNamespace(problem=problem, estimate=SimpleNamespace(parameters={}))
-    refits: Any = SimpleNamespace(comparison=comparison)
-    assert refit_check._on_all_motion(refits, both, set(), 5.0) is None
-    assert found == [["stribeck"]]
-    assert refit_check._on_all_motion(refits, those(candidate("backlash", 1e-20, 0.3)), set(), 5.0) is None
-    assert found[1] == []  # one with memory
+    stribeck, viscous = candidate("stribeck", 1e-20, 0.4), candidate("nonlinear-viscous", 1e-20, 0.3)
+    backlash = candidate("backlash", 1e-20, 0.3)
+    both = those(stribeck, viscous)
+    assert asked(both, both, 0.6) == ["stribeck"]
+    assert asked(those(backlash, stribeck), those(backlash, stribeck), 0.6) == []
+    assert asked(those(stribeck), those(stribeck, backlash), 0.4) == ["stribeck", "backlash"]

@@ -67,6 +67,7 @@ def test_a_word_within_a_name_proposes_it(name: str, channel: str) -> None:
         ("stamp q1 q2 dq1 dq2 tau_J2", ["stamp", "tau_J2", "dq2", "q2"]),
         ("log.t log.q(1) log.q(2) log.dq(1) log.dq(2) log.tau(1)", ["log.t", "log.tau(1)", "log.dq(1)", "log.q(1)"]),
         ("millis() q1 i1", ["millis()", "i1", "q1"]),
+        ("t tau1 rotor[rad/s]", ["t", "tau1", "rotor[rad/s]"]),  # the only one with a unit of what is lacking
     ],
 )
 def test_columns_of_one_joint_are_proposed_as_public_logs_call_them(present: str, proposed: list[str]) -> None:
@@ -76,6 +77,10 @@ def test_columns_of_one_joint_are_proposed_as_public_logs_call_them(present: str
         re.sub(r"\[:UNIT\]", "", str(told.value).partition("map them with ")[2].partition("; columns")[0])
     )
     assert [option.partition("=")[2] for option in options if "=" in option] == proposed
+
+
+def test_a_temperature_is_no_time() -> None:
+    assert likely(("time",), ["temp", "temperature"]) is None
 
 
 def test_columns_with_german_names_and_a_unit_of_several_joints_are_proposed() -> None:

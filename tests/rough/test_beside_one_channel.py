@@ -1,4 +1,4 @@
-"""An effect that something else hid: a channel, the past of the torque, or a look-alike that is nothing beside it."""
+"""An effect that something hid: a channel, a torque's past, a look-alike, few events, or a part of it that is zero."""
 
 from __future__ import annotations
 
@@ -21,6 +21,10 @@ from fricmodels.diagnosis import diagnose
         pytest.param("single", "torque-ripple", 4, 4801, ("torque-ripple",), marks=pytest.mark.long),
         # Fitted, a spring leaves less of the recording, and is nothing in the rows of all motion beside the loss.
         ("single", "directional-efficiency", 2, 5201, ("directional-efficiency", "stiffness", "torque-gain")),
+        # Few steps hold it: rows are sure of it, and not of its gain.
+        ("single", "nonlinear-viscous", 0, 7701, ("nonlinear-viscous",)),
+        # Its falling part is zero, and its viscous part trades with the lag.
+        ("single", "frictional-lag", 2, 8001, ("frictional-lag",)),
     ],
 )
 def test_it_is_named(

@@ -95,7 +95,7 @@ def counts(log: Log) -> Iterator[Finding]:
         Severity.WARN,
         "position",
         f"the {log.called('position')} is whole numbers, as counts of an encoder are, and is taken for {unit}",
-        f"say how much one is, as in {log.option('position', one)} for your encoder",
+        f"say how much one is of your encoder, as in {log.option('position', one)}",
     )
 
 

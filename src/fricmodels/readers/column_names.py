@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Sequence
 from difflib import SequenceMatcher, get_close_matches
 
 _HABITS = {
-    "time": ("t", "time", "stamp", "zeit", "temps", "sec", "timestamp", "millis", "micros"),
+    "time": ("t", "time", "stamp", "zeit", "sec", "timestamp", "millis", "micros"),
     "torque": ("torque", "tau", "effort", "tq", "trq", "moment", "drehmoment", "couple"),
     "force": ("force", "kraft", "effort", "thrust", "load"),
     "current": ("current", "i", "amps", "iq", "strom", "courant"),

@@ -328,8 +328,8 @@ def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]
     for any_of in missing:
         channels = tuple(dict.fromkeys((*any_of, *(ALIASES.get(channel, channel) for channel in any_of))))
         free = _free(found, present, channels)
-        named = likely(channels, free, _may_be, beside) or _measured_in(channels, of_one_joint(free, beside))
-        channel, column = named or (any_of[0], None)
+        stated = _measured_in(channels, of_one_joint(free, beside)) or _measured_in(channels, free)
+        channel, column = likely(channels, free, _may_be, beside) or stated or (any_of[0], None)
         beside += [column] if column is not None and channel != "time" else []
         options.append(_option(channel if channel in any_of else any_of[0], column))
         if channel == "velocity" and column is not None:
