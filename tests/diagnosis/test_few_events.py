@@ -64,11 +64,9 @@ def test_what_the_rows_say_too_is_asked_on_all_motion(
     assert asked(in_rows, everywhere, share) == (["stribeck"] if is_asked else [])
 
 
-def test_only_the_best_of_those_that_rows_see_is_asked_and_none_with_memory(asked: Asked) -> None:
+def test_only_the_best_of_those_that_rows_see_is_asked(asked: Asked) -> None:
     """Each costs a fit, and all but one of them resemble that one."""
-    stribeck, viscous = candidate("stribeck", 1e-20, 0.4), candidate("nonlinear-viscous", 1e-20, 0.3)
-    backlash = candidate("backlash", 1e-20, 0.3)
-    both = those(stribeck, viscous)
-    assert asked(both, both, 0.6) == ["stribeck"]
-    assert asked(those(backlash, stribeck), those(backlash, stribeck), 0.6) == []
-    assert asked(those(stribeck), those(stribeck, backlash), 0.4) == ["stribeck", "backlash"]
+    lag, stribeck = candidate("frictional-lag", 1e-20, 0.4), candidate("stribeck", 1e-20, 0.3)
+    both = those(candidate("drift", 0.5, 0.5), lag, stribeck)
+    assert asked(both, both, 0.6) == ["frictional-lag"]
+    assert asked(both, both, 0.4) == ["frictional-lag", "stribeck"]

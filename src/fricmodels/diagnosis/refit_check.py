@@ -139,7 +139,7 @@ def _on_all_motion(refits: Refits, in_rows: CandidateTests, leave_out: set[str],
     """Return the effect that explains all motion and leaves less than a bound [% of the RMS torque].
 
     Of those that the rows see as well, and do not say to be there, the best counts if nothing but the certainty of its
-    gain is lacking in them, and it has no memory.
+    gain is lacking in them.
     """
     comparison, policy = refits.comparison, in_rows.policy
     if _error(comparison) < policy.refit_fall:
@@ -150,7 +150,7 @@ def _on_all_motion(refits: Refits, in_rows: CandidateTests, leave_out: set[str],
     # Few events hold what an effect does there, and of very different size, so that its gain is not significant. The
     # test error of the fitted model has to fall far in its place.
     seen = _that_gain(result)
-    also = {t.name for t in _that_gain(in_rows)[:1] if not t.effect.states}  # one with memory takes seconds to fit
+    also = {t.name for t in _that_gain(in_rows)[:1]}
     passing = [t for t in seen if t.name in also or _share_in_rows(problem, t) < policy.judged_by_weak_form]
     return _best(refits, result, passing, leave_out, bound)
 
