@@ -203,7 +203,7 @@ def judged(kind: str, effect: str, number: int) -> dict[str, Any]:
         "percent": comparison.errors.held_out_percent,
         "floor": comparison.noise_floor_percent,
         "sliding": (comparison.sliding.held_out_percent, comparison.sliding.noise_percent),
-        "width": comparison.problem.bumps.width,
+        "width": comparison.problem.test_functions.width,
         "h": comparison.problem.half_width,
     }
     return row

@@ -3,9 +3,10 @@
 Peers in one run: lmfit, SciPy's ``least_squares`` with an analytic Jacobian, CasADi with IPOPT. They are given the
 true acceleration and a start at twice the truth; ours finds its start and its derivative itself and gives standard
 errors that hold for autocorrelated residuals. *Fit alone* is the part that the peers do; *automatic* also chooses the
-bumps and explains the velocity by the fit. *One solve* is one descent from a start at twice the truth on rows that are
-laid out, with standard errors: what a peer's whole time is spent on. A fit makes three of them, an automatic one five:
-for rows before and after the friction is known, at other velocities, and for a torque that goes on or is shifted.
+test functions and explains the velocity by the fit. *One solve* is one descent from a start at twice the truth on rows
+that are laid out, with standard errors: what a peer's whole time is spent on. A fit makes three of them, an automatic
+one five: for rows before and after the friction is known, at other velocities, and for a torque that goes on or is
+shifted.
 
 Noise and rests are told once for each recording: a *new* one in every fit has all of that in it, a *known* one was
 fitted before, as in a tournament or a comparison. *Cold* is the first fit of a fresh process with its imports, *warm*

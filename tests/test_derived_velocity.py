@@ -25,25 +25,25 @@ def test_torque_that_jumps_is_balanced_by_positions(width: int, jitter: float) -
     time = np.concatenate([[0.0], np.cumsum(step[:-1])])
     channels = {"time": time, "torque": torque, "velocity": velocity, "position": position}
     recording = Recording("made", Motion.ROTARY, channels, np.zeros(count, dtype=np.int64))
-    bumps = Functions(recording, width, np.zeros(count, dtype=bool), over_cells=True)
+    test_functions = Functions(recording, width, np.zeros(count, dtype=bool), over_cells=True)
     # Between two mean velocities lie half of a cell before a sample and half of the one after.
     impulse = 0.5 * (torque * step + np.append(0.0, (torque * step)[:-1]))
     changes = np.append(0.0, np.diff(mean_velocity(recording, position)))[:-1]
     assert changes[1:] == pytest.approx(impulse[1 : count - 1], abs=1e-9)
-    held = bumps.integrals((torque * step)[None])[0] - 0.5 * bumps.change(torque * step)
-    assert bumps.momentum(mean_velocity(recording, position)) == pytest.approx(held, abs=1e-9)
+    held = test_functions.integrals((torque * step)[None])[0] - 0.5 * test_functions.change(torque * step)
+    assert test_functions.momentum(mean_velocity(recording, position)) == pytest.approx(held, abs=1e-9)
 
 
 def test_over_a_run_that_ends_nothing_is_carried() -> None:
-    """The last sample of a run has no mean velocity, and no bump needs it."""
+    """The last sample of a run has no mean velocity, and no test function needs it."""
     count = 200
     time = np.tile(np.arange(count) * 0.01, 2)
     position = np.concatenate([np.sin(time[:count]), 5.0 + np.cos(time[:count])])
     run = np.repeat([0, 1], count)
     channels = {"time": time, "torque": np.zeros(2 * count), "position": position}
     recording = Recording("two", Motion.ROTARY, channels, run)
-    bumps = Functions(recording, 16, np.zeros(2 * count, dtype=bool), over_cells=True)
-    both = bumps.momentum(mean_velocity(recording, position))
+    test_functions = Functions(recording, 16, np.zeros(2 * count, dtype=bool), over_cells=True)
+    both = test_functions.momentum(mean_velocity(recording, position))
     single = []
     for number in (0, 1):
         one = recording.select(run == number)

@@ -118,7 +118,7 @@ def test_rows_of_both_files_count_alike_as_long_as_the_model_lacks_most() -> Non
     pushed = both.with_channels(derived=False, torque=both.torque + 3.0)
     spread = {}
     for model in ("coulomb-viscous", "coulomb-viscous+torque-offset"):
-        counts = compare(pushed, model, INERTIA).problem.bumps.counts
+        counts = compare(pushed, model, INERTIA).problem.test_functions.counts
         assert counts is not None
         spread[model] = counts.max() / counts.min()
     assert spread["coulomb-viscous"] < 1.5

@@ -26,7 +26,7 @@ class Design:
         drive: whose equation it is.
         keys: parameters that are estimated.
         fixed: values in SI of those that are not.
-        window, smoothing: samples of the bump, and of the local cubic that smooths the velocity.
+        window, smoothing: samples of the test function, and of the local cubic that smooths the velocity.
         peak, torque, omega: sizes of speed, torque and frequency, for scaling.
     """
 

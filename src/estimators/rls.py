@@ -109,9 +109,9 @@ class _Problem:
 class RecursiveLeastSquares(SequentialEstimator):
     """Recursive weighted least squares with exponential forgetting (Canudas de Wit and Carrillo 1988).
 
-    The torque equation is multiplied by a bump over the last samples and integrated, so that no measured velocity is
-    differentiated. Windows that contain standstill are left out. Only linear parameters are estimated; nonlinear
-    ones are held at the best of their scan. Standard errors are by the distance to an unbiased fit,
+    The torque equation is multiplied by a test function over the last samples and integrated, so that no measured
+    velocity is differentiated. Windows that contain standstill are left out. Only linear parameters are estimated;
+    nonlinear ones are held at the best of their scan. Standard errors are by the distance to an unbiased fit,
     :mod:`fricmodels.interval`.
     """
 
@@ -199,9 +199,10 @@ class RecursiveLeastSquares(SequentialEstimator):
 
 
 def _window(recording: Recording, inertia: float, per_cycle: float) -> int:
-    """Return the samples of a bump through which velocity noise makes 5 % of the RMS torque; 12 to a tenth of a cycle.
+    """Return the samples of a test function with 5 % of the RMS torque by velocity noise; 12 to a tenth of a cycle.
 
-    The bump (1 − s²)³ over L samples turns white noise σ of the velocity into 5.04 J σ / (Δt L^(3/2)) of torque.
+    The test function (1 − s²)³ over L samples turns white noise σ of the velocity into 5.04 J σ / (Δt L^(3/2)) of
+    torque.
     """
     torque = recording.rms_torque
     noise = 5.04 * inertia * velocity_noise(recording) / recording.interval

@@ -45,12 +45,12 @@ def weak_rows(
             s = 2 * (time[here] - time[k]) / duration - 1
             c = 1 - s * s
             own = 0.5 * (before + after)
-            bump = c * c * c
-            total += bump * own
+            phi = c * c * c
+            total += phi * own
             inertial += 12 * s * c * c / duration * own * velocity[here]
-            row[first + count] += bump * own * right[here]
+            row[first + count] += phi * own * right[here]
             for i in range(count):
-                row[first + i] += bump * measure[j] * values[i, here]
+                row[first + i] += phi * measure[j] * values[i, here]
             if j < window - 1 and abs(sided[here]) < resting and abs(sided[here + 1]) < resting:
                 use = 0.0
         if known:

@@ -90,7 +90,7 @@ def test_a_lag_of_exactly_so_long_is_found(r: float) -> None:
 
 @pytest.mark.long
 def test_a_gap_is_found_in_a_fast_recording() -> None:
-    """Through bumps of a few milliseconds the error has many minima, far from the truth."""
+    """Through test functions of a few milliseconds the error has many minima, far from the truth."""
     time = 1e-3 * np.arange(20_000)
     torque = 20 * np.sin(2.1 * time) + 12 * np.sin(0.9 * time + 1) + 6 * np.sin(7.3 * time)
     truth = {**LAW, **{f"backlash.{symbol}": value for symbol, value in EFFECTS["backlash"].items()}}

@@ -46,7 +46,7 @@ def test_the_plan_has_the_kinks_of_its_recording(coarse: Path, plan: sums.Plan) 
     channels = {name: recording[name] for name in ("time", "torque", "position")}
     rows, begins = block_rows(plan, channels, 0, len(recording))
     own = np.vstack([problem.driving, problem.momentum, problem.columns(drive)[0]])
-    _, here, there = np.intersect1d(begins, problem.bumps.begins, return_indices=True)
+    _, here, there = np.intersect1d(begins, problem.test_functions.begins, return_indices=True)
     assert len(here) > 0.9 * problem.rows
     size = np.abs(own).max(axis=1, keepdims=True)
     np.testing.assert_allclose(rows[: len(own), here] / size, own[:, there] / size, atol=1e-6)

@@ -105,7 +105,7 @@ def test_the_rows_are_those_of_a_fit_of_the_whole_recording(first: Path, plan: s
     rows, begins = block_rows(plan, channels, 0, len(recording))
     own = np.vstack([problem.driving, problem.momentum, problem.columns(drive)[0], problem.sign_change,
                      problem.torque_rate])  # fmt: skip
-    both, here, there = np.intersect1d(begins, problem.bumps.begins, return_indices=True)
+    both, here, there = np.intersect1d(begins, problem.test_functions.begins, return_indices=True)
     assert len(both) > 0.95 * problem.rows, "only rests are told apart in another way"
     size = np.abs(own).max(axis=1, keepdims=True)
     np.testing.assert_allclose(rows[:, here] / size, own[:, there] / size, atol=1e-8)

@@ -1,4 +1,4 @@
-"""Rows with a carrier: they show a wave that a bump averages away, and count by how noisy they are."""
+"""Rows with a carrier: they show a wave that a test function averages away, and count by how noisy they are."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ WAVE = {"cogging.a": 4.0, "cogging.b": -2.4, "cogging.k": FAST}
 TRUE = {"K_v": 0.5, "K_c": 3.0, "J": 2.0}
 
 
-def test_rows_of_a_carrier_are_no_noisier_than_those_of_the_bumps(made: Made) -> None:
+def test_rows_of_a_carrier_are_no_noisier_than_those_of_the_test_functions(made: Made) -> None:
     problem = WeakFormProblem.of(Drive(Model.parse("coulomb-viscous")), made(noise=2.0), TRUE)
-    plain = CarrierFunctions(problem.bumps, problem.recording, (FAST, 2 * FAST))
+    plain = CarrierFunctions(problem.test_functions, problem.recording, (FAST, 2 * FAST))
     weighted = plain.weighted(problem.quadrature, problem.recording, TRUE["J"])
 
-    def noise(bumps: CarrierFunctions) -> np.ndarray:
-        of_motion = TRUE["J"] * momentum_noise(bumps, problem.recording)
-        of_torque = noise_impulses(bumps, problem.quadrature, problem.recording)
-        return np.sqrt(np.mean((of_motion**2 + of_torque**2).reshape(-1, bumps.each), axis=0))
+    def noise(test_functions: CarrierFunctions) -> np.ndarray:
+        of_motion = TRUE["J"] * momentum_noise(test_functions, problem.recording)
+        of_torque = noise_impulses(test_functions, problem.quadrature, problem.recording)
+        return np.sqrt(np.mean((of_motion**2 + of_torque**2).reshape(-1, test_functions.each), axis=0))
 
     before, after = noise(plain), noise(weighted)
     assert before[1:].min() > 3 * before[0]
@@ -46,12 +46,12 @@ def test_rows_of_a_carrier_are_no_noisier_than_those_of_the_bumps(made: Made) ->
 
 def test_without_noise_every_row_counts_as_it_is(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
     problem = WeakFormProblem.of(Drive(Model.parse("coulomb-viscous")), made(), TRUE)
-    plain = CarrierFunctions(problem.bumps, problem.recording, (FAST,))
+    plain = CarrierFunctions(problem.test_functions, problem.recording, (FAST,))
     velocity = problem.recording.velocity
     noisy = plain.weighted(problem.quadrature, problem.recording, TRUE["J"])
     assert not np.allclose(noisy.momentum(velocity), plain.momentum(velocity))
     for name in ("momentum_noise", "noise_impulses"):
-        monkeypatch.setattr(carriers, name, lambda bumps, *_: np.zeros(bumps.count))
+        monkeypatch.setattr(carriers, name, lambda functions, *_: np.zeros(functions.count))
     quiet = plain.weighted(problem.quadrature, problem.recording, TRUE["J"])
     np.testing.assert_array_equal(quiet.momentum(velocity), plain.momentum(velocity))
 
@@ -59,7 +59,7 @@ def test_without_noise_every_row_counts_as_it_is(made: Made, monkeypatch: pytest
 def test_where_there_are_no_rows_there_is_nothing_to_weigh(made: Made) -> None:
     problem = WeakFormProblem.of(Drive(Model.parse("coulomb-viscous")), made(), TRUE)
     everywhere = np.ones(len(problem.recording), dtype=bool)
-    none = CarrierFunctions(problem.bumps.clear_of(everywhere), problem.recording, (FAST,))
+    none = CarrierFunctions(problem.test_functions.clear_of(everywhere), problem.recording, (FAST,))
     assert none.weighted(problem.quadrature, problem.recording, TRUE["J"]).count == 0
 
 

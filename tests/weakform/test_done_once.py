@@ -50,7 +50,7 @@ def test_rows_clear_of_some_samples_are_those_that_are_made_anew(problem: WeakFo
     samples = np.zeros(len(problem.recording), dtype=bool)
     samples[300:340] = True
     less = problem.clear_of(samples)
-    anew = replace(problem, bumps=problem.bumps.clear_of(samples))
+    anew = replace(problem, test_functions=problem.test_functions.clear_of(samples))
     assert 0 < less.rows < problem.rows
     for name in ("momentum", "driving", "target", "torque_rate", "sign_change"):
         np.testing.assert_array_equal(getattr(less, name), getattr(anew, name))
@@ -61,7 +61,7 @@ def test_rows_clear_of_some_samples_are_those_that_are_made_anew(problem: WeakFo
 def test_rows_in_common_tell_where_others_would_begin(problem: WeakFormProblem) -> None:
     found = solve(problem, Plan())
     other = problem.clear_of(np.arange(len(problem.recording)) < 200)
-    common = problem.bumps.in_common(other.bumps)
+    common = problem.test_functions.in_common(other.test_functions)
     np.testing.assert_array_equal(problem.target[common], other.target)
     assert begins_where(other, Plan(), found)
     elsewhere = replace(found, solution=replace(found.solution, start=np.array([17.0])))

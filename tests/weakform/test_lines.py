@@ -171,12 +171,12 @@ def test_rows_with_a_carrier_show_a_wave_that_the_others_average_away(per_wave: 
     carried = carriers_alone(problem, (k,))
     wave = carried.integrals((amplitude * np.cos(k * carried.quadrature.recording["position"]))[None])[0]
     plain = problem.integrals((amplitude * np.cos(k * problem.quadrature.recording["position"]))[None])[0]
-    per_bump = np.sqrt(np.mean(np.sum(wave.reshape(-1, 2) ** 2, axis=1))) / recording.interval
-    assert per_bump > 2 * np.sqrt(np.mean(plain**2)) / recording.interval
+    per_function = np.sqrt(np.mean(np.sum(wave.reshape(-1, 2) ** 2, axis=1))) / recording.interval
+    assert per_function > 2 * np.sqrt(np.mean(plain**2)) / recording.interval
 
 
 def test_rows_of_a_problem_stay_the_same_beside_carriers() -> None:
-    """Each bump has its own row first, then cosine and sine."""
+    """Each test function has its own row first, then cosine and sine."""
     recording, k, _ = recorded(5.0)
     problem, _ = fitted(recording)
     both = problem.carrying((k,))

@@ -42,4 +42,4 @@ def test_noise_does_not_shrink_an_estimated_inertia(seed: int) -> None:
 def test_test_functions_are_no_wider_than_they_were_where_the_inertia_is_given() -> None:
     recording = ready(recorded(0.3))
     given = estimate(fricmodels.Drive(fricmodels.Model.of("coulomb-viscous"), INERTIA), recording)[0]
-    assert given.bumps.width == 16
+    assert given.test_functions.width == 16

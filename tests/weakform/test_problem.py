@@ -113,8 +113,10 @@ def test_the_blocks_of_a_long_recording_remember_what_was_before() -> None:
         assert found.parameters[key] == pytest.approx(truth[key], rel=0.02), key
 
 
-def test_wider_bumps_where_the_velocity_is_noisier(made: Made) -> None:
-    widths = [WeakFormProblem.of(COULOMB_VISCOUS, made(noise=noise), TRUTH).bumps.width for noise in (0.05, 1.0, 5.0)]
+def test_wider_test_functions_where_the_velocity_is_noisier(made: Made) -> None:
+    widths = [
+        WeakFormProblem.of(COULOMB_VISCOUS, made(noise=noise), TRUTH).test_functions.width for noise in (0.05, 1.0, 5.0)
+    ]
     assert widths == sorted(widths)
     assert widths[-1] > widths[0]
 
@@ -157,5 +159,5 @@ def test_short_strokes_have_narrow_rows_if_noise_allows(samples: int, noise: flo
     recording = ready(Recording("strokes", Motion.ROTARY, channels, np.zeros(1000, dtype=np.int64)))
     drive = Drive(Model.parse("coulomb-viscous"), 0.01)
     values = {"K_v": 0.0, "K_c": 1.0, "J": 0.01}
-    assert WeakFormProblem.of(drive, recording, values).bumps.width == width
-    assert WeakFormProblem.of(drive, recording, values, 16).bumps.width == 16
+    assert WeakFormProblem.of(drive, recording, values).test_functions.width == width
+    assert WeakFormProblem.of(drive, recording, values, 16).test_functions.width == 16

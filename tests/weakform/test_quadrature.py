@@ -34,11 +34,11 @@ def swinging(rate: float, jitter: float = 0.0, friction: float = 0.0) -> Recordi
 def imbalance(recording: Recording, over_cells: bool) -> float:
     """Return the RMS of ∫φ τ dt − ∫φ dω, over the RMS of either."""
     never = np.zeros(len(recording), dtype=bool)
-    bumps = Functions(recording, 16, never, over_cells=over_cells)
+    test_functions = Functions(recording, 16, never, over_cells=over_cells)
     around = recording.with_channels(velocity=recording.velocity + 10.0)  # nothing turns: no cell is split
     quadrature = Quadrature.of(around, around.velocity, never)
     motion = mean_velocity(recording, recording["position"]) if over_cells else recording.velocity
-    impulse, change = bumps.torques(quadrature, recording.torque[None])[0], bumps.momentum(motion)
+    impulse, change = test_functions.torques(quadrature, recording.torque[None])[0], test_functions.momentum(motion)
     return float(np.sqrt(np.mean((impulse - change) ** 2) / np.mean(change**2)))
 
 
@@ -105,13 +105,13 @@ def test_it_balances_as_well_through_reversals(over_cells: bool, friction: float
     """Straight lines there, and 1 % of a cell at rest between velocities continued from both sides, left 0.2 %."""
     recording = swinging(100.0, friction=friction)
     never = np.zeros(len(recording), dtype=bool)
-    bumps = Functions(recording, 16, never, over_cells=over_cells)
+    test_functions = Functions(recording, 16, never, over_cells=over_cells)
     quadrature = Quadrature.of(recording, recording.velocity, never)
     assert len(quadrature.cell) == 32
     motion = mean_velocity(recording, recording["position"]) if over_cells else recording.velocity
     points = quadrature.recording
-    opposing = friction * bumps.torques(quadrature, np.sign(points.velocity)[None])[0]
-    impulse, change = bumps.driving(quadrature, points.torque) - opposing, bumps.momentum(motion)
+    opposing = friction * test_functions.torques(quadrature, np.sign(points.velocity)[None])[0]
+    impulse, change = test_functions.driving(quadrature, points.torque) - opposing, test_functions.momentum(motion)
     phase = 2 * np.pi * 2.0 / 100.0
     assert np.sqrt(np.mean((impulse - change) ** 2) / np.mean(change**2)) < 0.1 * phase**2 / 12
 

@@ -69,7 +69,7 @@ def test_rows_are_those_of_one_rate_where_runs_differ_by_little() -> None:
     slower = run(900.0, 2.0, 1, 0.0, 0.0)
     recording = together(run(1000.0, 2.0, 1, 0.0, 0.0), slower)
     assert np.all(relative_intervals(recording) == 1.0)
-    assert compare(recording, "coulomb-viscous", INERTIA).problem.bumps.counts is None
+    assert compare(recording, "coulomb-viscous", INERTIA).problem.test_functions.counts is None
 
 
 def test_intervals_are_those_of_each_run() -> None:

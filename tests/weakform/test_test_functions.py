@@ -1,4 +1,4 @@
-"""The bumps of the weak form against their definition."""
+"""The test functions of the weak form against their definition."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ RUNS = {"one run": [203], "uneven ones": [31, 5, 64, 127, 32], "none long enough
 def recording(lengths: list[int]) -> Recording:
     run = np.repeat(np.arange(len(lengths)), lengths)
     time = 0.01 * np.arange(len(run))
-    return Recording("bumps", Motion.ROTARY, {"time": time, "torque": np.zeros(len(run))}, run)
+    return Recording("test functions", Motion.ROTARY, {"time": time, "torque": np.zeros(len(run))}, run)
 
 
 def by_definition(lengths: list[int], width: int, unclear: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Return the weight of every sample in every bump of which no sample is unclear, shape (bumps, N)."""
+    """Return the weight of every sample in every test function of which no sample is unclear, shape (functions, N)."""
     x = 2.0 * np.arange(width + 1) / width - 1.0
-    bump = (1.0 - x**2) ** 2
-    kernel = (bump[:-1] + bump[1:]) / 2 / bump.sum()
+    shape = (1.0 - x**2) ** 2
+    kernel = (shape[:-1] + shape[1:]) / 2 / shape.sum()
     rows, begin = [], 0
     for length in lengths:
         for start in range(begin, begin + length // (width // HOPS) * (width // HOPS) - width + 1, width // HOPS):
@@ -44,16 +44,16 @@ def test_integrals_and_momentum(name: str, width: int) -> None:
     lengths = RUNS[name]
     count = sum(lengths)
     unclear = rng.random(count) < 0.01
-    bumps = Functions(recording(lengths), width, unclear, least_moving=1.0)
+    test_functions = Functions(recording(lengths), width, unclear, least_moving=1.0)
     weights = by_definition(lengths, width, unclear)
-    assert bumps.count == len(weights)
+    assert test_functions.count == len(weights)
     rows = rng.normal(size=(3, count))
-    np.testing.assert_allclose(bumps.integrals(rows), rows @ weights.T, rtol=1e-12, atol=1e-14)
-    assert bumps.integrals(rows[:0]).shape == (0, bumps.count)
+    np.testing.assert_allclose(test_functions.integrals(rows), rows @ weights.T, rtol=1e-12, atol=1e-14)
+    assert test_functions.integrals(rows[:0]).shape == (0, test_functions.count)
     # ∫φ dω of a constant is nothing; of a straight line of slope one a sample, what φ adds up to: one.
-    np.testing.assert_allclose(bumps.momentum(np.full(count, 3.0)), 0, atol=1e-13)
+    np.testing.assert_allclose(test_functions.momentum(np.full(count, 3.0)), 0, atol=1e-13)
     if width > HOPS:
-        np.testing.assert_allclose(bumps.momentum(np.arange(count, dtype=float)), 1, rtol=1e-12)
+        np.testing.assert_allclose(test_functions.momentum(np.arange(count, dtype=float)), 1, rtol=1e-12)
 
 
 @pytest.mark.parametrize("width", [16, 32, 64])
@@ -79,9 +79,9 @@ def test_a_reversal_within_a_cell_is_exact(width: int, instant: float) -> None:
 def test_many_rows_are_what_each_is_alone(over_cells: bool) -> None:
     rng = np.random.default_rng(2)
     one, velocity = recording([203, 90]), np.convolve(rng.normal(size=300), np.ones(8), "valid")
-    bumps = Functions(one, 16, np.zeros(len(one), dtype=bool), over_cells=over_cells)
+    test_functions = Functions(one, 16, np.zeros(len(one), dtype=bool), over_cells=over_cells)
     quadrature = Quadrature.of(one, velocity, np.zeros(len(one), dtype=bool))
     rows = rng.normal(size=(19, len(quadrature.recording)))
-    alone = np.concatenate([bumps.torques(quadrature, row[None]) for row in rows])
-    np.testing.assert_array_equal(bumps.torques(quadrature, rows), alone)
-    assert bumps.torques(quadrature, rows[:0]).shape == (0, bumps.count)
+    alone = np.concatenate([test_functions.torques(quadrature, row[None]) for row in rows])
+    np.testing.assert_array_equal(test_functions.torques(quadrature, rows), alone)
+    assert test_functions.torques(quadrature, rows[:0]).shape == (0, test_functions.count)

@@ -259,8 +259,8 @@ def _of_history(problem: WeakFormProblem, like: WeakFormProblem, regression: Reg
         return _turned(history().side, both.reshape(-1, near.shape[1]))
 
     recording = problem.recording
-    lags: Index = np.unique(np.arange(1, _EARLIER + 1) * problem.bumps.width // _EARLIER)
-    apart = problem.bumps.width + problem.half_width
+    lags: Index = np.unique(np.arange(1, _EARLIER + 1) * problem.test_functions.width // _EARLIER)
+    apart = problem.test_functions.width + problem.half_width
     found: dict[str, Callable[[], Array]] = {
         "distance since the last reversal": after_reversal,
         "time since the last reversal": lambda: _turned(

@@ -62,9 +62,9 @@ def coloured_residual(result: CandidateTests) -> ColouredNoise | None:
     problem, residual = result.problem, result.regression.residual
     if not _is_stationary(result):
         return None
-    width, recording = problem.bumps.width, problem.recording
+    width, hop, recording = problem.test_functions.width, problem.test_functions.hop, problem.recording
     inertia, _ = problem.drive.split(result.parameters)
-    lags = np.unique(np.rint(np.array(_LAGS) * width / problem.bumps.hop).astype(int)) * problem.bumps.hop
+    lags = np.unique(np.rint(np.array(_LAGS) * width / hop).astype(int)) * hop
     found = [_autocovariance(problem, residual, int(lag)) for lag in lags]
     known = [_autocovariance(problem, inertia * problem.noise_of_momentum, int(lag))[0] for lag in lags]
     measured, count = np.array([value for value, _ in found]), np.array([number for _, number in found])
@@ -93,7 +93,7 @@ def coloured_residual(result: CandidateTests) -> ColouredNoise | None:
 
 def _autocovariance(problem: WeakFormProblem, series: Array, lag: int) -> tuple[float, int]:
     """Return the mean product of rows so many samples apart, and how many pairs there are."""
-    centre, hop = problem.centre, problem.bumps.hop
+    centre, hop = problem.centre, problem.test_functions.hop
     at = np.minimum(np.searchsorted(centre, centre - lag), len(centre) - 1)
     run = problem.recording.run[np.clip(centre, 0, len(problem.recording) - 1)]
     there = (np.abs(centre[at] - (centre - lag)) <= hop // 2) & (run[at] == run)
@@ -103,7 +103,7 @@ def _autocovariance(problem: WeakFormProblem, series: Array, lag: int) -> tuple[
 
 def _through_test_functions(problem: WeakFormProblem, samples: float, lags: Array) -> Iterator[float]:
     """Yield the autocovariance of rows of unit noise that lasts so many samples, at lags in samples."""
-    weights = problem.bumps.weights * problem.recording.interval
+    weights = problem.test_functions.weights * problem.recording.interval
     own = np.correlate(weights, weights, "full")
     apart = np.arange(-len(weights) + 1, len(weights))
     for lag in lags:

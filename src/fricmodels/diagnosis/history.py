@@ -58,11 +58,11 @@ class MotionHistory:
 
 
 def _at_rest(problem: WeakFormProblem) -> Mask:
-    """Return where the drive rests; a motion shorter than half a bump within a rest is one of its noise."""
+    """Return where the drive rests; a motion shorter than half a test function within a rest is one of its noise."""
     rest = problem.resting.copy()
     edges = np.flatnonzero(np.diff(rest.astype(np.int8))) + 1
     for start, stop in itertools.pairwise(edges):
-        if not rest[start] and stop - start < problem.bumps.width // 2:
+        if not rest[start] and stop - start < problem.test_functions.width // 2:
             rest[start:stop] = True
     return rest
 

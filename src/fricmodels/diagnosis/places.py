@@ -125,14 +125,14 @@ def profile(result: CandidateTests, channel: str, direction: str = "both") -> Pr
 
 def _views(problem: WeakFormProblem, residual: Array) -> Iterator[_View]:
     recording, ones = problem.recording, np.ones((1, len(problem.recording)))
-    weight = problem.bumps.integrals(ones)[0]
+    weight = problem.test_functions.integrals(ones)[0]
 
     def at_rows(values: Array) -> Array:
-        return np.asarray(problem.bumps.integrals(values[None])[0] / weight)
+        return np.asarray(problem.test_functions.integrals(values[None])[0] / weight)
 
     torque = residual / (weight * recording.interval * at_rows(relative_intervals(recording)))
-    if problem.bumps.counts is not None:
-        torque = torque / at_rows(problem.bumps.counts)
+    if problem.test_functions.counts is not None:
+        torque = torque / at_rows(problem.test_functions.counts)
     velocity = at_rows(problem.smooth)
     moving_on = np.abs(velocity) >= 0.999 * at_rows(np.abs(problem.smooth))  # rows without a reversal
     forward, backward = moving_on & (velocity > 0), moving_on & (velocity < 0)
@@ -171,7 +171,7 @@ class _View:
         if not self.bins:
             return
         label = np.clip(np.searchsorted(self._edges, at[chosen], side="right") - 1, 0, self.bins - 1)
-        self._passes(label, torque[chosen], problem.centre[chosen], problem.bumps.width)
+        self._passes(label, torque[chosen], problem.centre[chosen], problem.test_functions.width)
 
     def _passes(self, label: Index, torque: Array, centre: Index, width: int) -> None:
         """Sum the residual over each pass; rows of a bin within a test function's width are of one pass."""

@@ -107,8 +107,8 @@ def own_past(problem: WeakFormProblem, residual: Array) -> Array:
 
     Whatever lasts or rings shows in it, in whichever channel its cause may be.
     """
-    centre, hop = problem.centre, problem.bumps.hop
-    apart = problem.bumps.width + 2 * problem.half_width
+    centre, hop = problem.centre, problem.test_functions.hop
+    apart = problem.test_functions.width + 2 * problem.half_width
     columns = []
     for lag in apart + hop * np.arange(_PAST):
         at = np.minimum(np.searchsorted(centre, centre - lag), len(centre) - 1)

@@ -48,9 +48,9 @@ def once(
         find: the search.
     """
     of = (problem.recording, problem.quadrature, problem.smooth, problem.resting)
-    rows = _known.get(problem.bumps)
+    rows = _known.get(problem.test_functions)
     if rows is None or any(one is not other for one, other in zip(rows.of, of, strict=True)):
-        rows = _known[problem.bumps] = _Rows(of)
+        rows = _known[problem.test_functions] = _Rows(of)
     key = (effect, alone.model, alone.inertia, rival, _asked(problem), _digest(regression))
     if key not in rows.found:
         found = find()

@@ -99,7 +99,7 @@ def frequencies_tried(problem: WeakFormProblem) -> int:
 
 @dataclass(frozen=True)
 class _Frequencies:
-    """Frequencies over the time of rows: rows are a part of a bump apart, which gives the highest.
+    """Frequencies over the time of rows: rows are a part of a test function apart, which gives the highest.
 
     Attributes:
         centre: sample in the midst of each row.
@@ -125,7 +125,7 @@ class _Frequencies:
 def _frequencies(problem: WeakFormProblem) -> _Frequencies | None:
     from scipy.fft import next_fast_len
 
-    recording, hop = problem.recording, problem.bumps.hop * problem.recording.interval
+    recording, hop = problem.recording, problem.test_functions.hop * problem.recording.interval
     centre = np.clip(problem.centre, 0, len(recording) - 1)
     time = recording.time[centre]
     place = np.rint((time - time[0]) / hop).astype(np.int64) if len(time) else np.zeros(0, dtype=np.int64)

@@ -15,12 +15,12 @@ RESTING = 0.01
 
 @dataclass(frozen=True)
 class WindowedRegression:
-    """The torque equation over a window that ends at each sample, times a bump, and a recursion over its rows.
+    """The torque equation over a window that ends at each sample, times a test function, and a recursion over its rows.
 
     Attributes:
         drive: whose equation it is.
         keys: estimated parameters, in the order of a row. fixed: SI values of the others.
-        window: samples of the bump (1 − s²)³.
+        window: samples of the test function (1 − s²)³.
         value, slope: weights of the local cubic that give velocity and its change from sample to sample, shape (m,).
         resting: speed of rest [rad/s or m/s]: two samples in a row below it make the window one of standstill.
         torque: size of the torque, which rows are in. size: SI size of one unit of each estimated parameter.

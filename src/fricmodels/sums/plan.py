@@ -143,12 +143,12 @@ def plan_for(recording: Recording, model: str, inertia: float | None = None) -> 
     still = standstill(smooth)
     error = max(float(velocity_noise(part).after(even_weights(width)[0])), rounding, still / CERTAIN)
     steps = 0.0 if part.derived_over else 1.01 * quantum(part.velocity)
-    limits, slow = drive.sticking_interval(part, found.parameters), creeping(part, problem.bumps.width)
+    limits, slow = drive.sticking_interval(part, found.parameters), creeping(part, problem.test_functions.width)
     return Plan(
         model=model,
         motion=part.motion,
         interval=part.interval,
-        width=problem.bumps.width,
+        width=problem.test_functions.width,
         half_width=width,
         derived_over=part.derived_over,
         error=error,

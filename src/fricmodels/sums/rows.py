@@ -44,7 +44,7 @@ class Stretch:
     _begin: int = 0
     """Sample of the stretch at which what is held begins."""
     _done: int = 0
-    """Sample of the stretch at which the next bump begins."""
+    """Sample of the stretch at which the next test function begins."""
 
     @cached_property
     def _size(self) -> int:
@@ -52,7 +52,7 @@ class Stretch:
 
     @cached_property
     def _margin(self) -> int:
-        """Samples beside a block that its rows depend on, a multiple of the way between bumps."""
+        """Samples beside a block that its rows depend on, a multiple of the way between test functions."""
         plan = self.plan
         smoothed = plan.half_width + plan.derived_over  # a kink reaches as far, and is found in what is smoothed
         needed = 2 * smoothed + plan.derived_over + lasting(plan) + _REACH
@@ -88,22 +88,22 @@ class Stretch:
 
 
 def lasting(plan: Plan) -> int:
-    """Return how many slow samples in a row are no reversal any more: an eighth of a bump."""
+    """Return how many slow samples in a row are no reversal any more: an eighth of a test function."""
     return max(2, plan.width // HOPS)
 
 
 def block_rows(plan: Plan, channels: Mapping[str, Array], first: int, until: int) -> Rows:
-    r"""Return the rows of the bumps that begin within some samples of a stretch without a gap.
+    r"""Return the rows of the test functions that begin within some samples of a stretch without a gap.
 
     Args:
         plan: what the rows are.
         channels: of the samples, and of a margin beside them, shape (N,) each.
-        first, until: bumps that begin from sample ``first`` on, and before ``until``.
+        first, until: test functions that begin from sample ``first`` on, and before ``until``.
 
     Returns:
         Shape (columns, rows): :math:`\int\varphi(\tau_m-\tau_L)\,dt` less what no parameter multiplies,
         :math:`\int\varphi\,d\omega`, the integrals of what the model's parameters multiply, and what a shift of
-        reversals and of time would add; and the sample at which each row's bump begins.
+        reversals and of time would add; and the sample at which each row's test function begins.
     """
     recording, smooth = _moving(plan, channels)
     limits, slow = plan.drive.sticking_interval(recording, plan.friction), _slow(plan, smooth)
@@ -116,17 +116,17 @@ def block_rows(plan: Plan, channels: Mapping[str, Array], first: int, until: int
     index = np.arange(len(recording))
     elsewhere = (index < first) | (index >= until + plan.width - plan.hop)
     over_cells = plan.derived_over > 0
-    bumps = TestFunctions(recording, plan.width, unclear | elsewhere, least_moving=1.0, over_cells=over_cells)
+    test_functions = TestFunctions(recording, plan.width, unclear | elsewhere, least_moving=1.0, over_cells=over_cells)
     points = _as_planned(quadrature.recording, plan)
     design, offset = plan.drive.regressors(points)
-    push = bumps.driving(quadrature, points.driving_torque)
-    integrals = bumps.torques(quadrature, np.vstack([offset[None], design]))
+    push = test_functions.driving(quadrature, points.driving_torque)
+    integrals = test_functions.torques(quadrature, np.vstack([offset[None], design]))
     velocity = mean_velocity(recording, recording["position"]) if over_cells else recording.velocity
     turns = quadrature.turns * plan.interval
     rate = quadrature.change_while_moving(recording.torque)
-    further = [bumps.of_cells(turns[None])[0], bumps.of_cells(rate[None])[0]]
-    rows = np.vstack([push - integrals[0], bumps.momentum(velocity), integrals[1:], further])
-    return rows, bumps.begins
+    further = [test_functions.of_cells(turns[None])[0], test_functions.of_cells(rate[None])[0]]
+    rows = np.vstack([push - integrals[0], test_functions.momentum(velocity), integrals[1:], further])
+    return rows, test_functions.begins
 
 
 def _moving(plan: Plan, channels: Mapping[str, Array]) -> tuple[Recording, Array]:

@@ -1,6 +1,6 @@
-r"""Test functions that carry a wave over position: what sees a torque that alternates faster than a bump is wide.
+r"""Test functions that carry a wave over position: what sees a torque that alternates faster than they are wide.
 
-A bump averages such a torque away. Multiplied by a wave of the same wave number k it does not:
+A test function averages such a torque away. Multiplied by a wave of the same wave number k it does not:
 
 .. math:: \int\varphi\sqrt2\cos(kq)\,(\tau_m-\tau_L-\tau_F)\,dt = J\int\varphi\sqrt2\cos(kq)\,d\omega
 
@@ -12,8 +12,8 @@ which is the wave at the middle times :math:`\sin(\theta/2)/(\theta/2)`; the tra
 velocities (see :func:`.test_functions.mean_velocity`) by :math:`r^2`, and both sides agree for every speed. What passes
 half a wave or more between samples is left out.
 
-Noise of the velocity alternates as fast as a carrier, and a bump averages it away: rows with a carrier may be fifty
-times as noisy as those without. So they are divided by how much noisier they are (weighted least squares), or an
+Noise of the velocity alternates as fast as a carrier, and a test function averages it away: rows with a carrier may be
+fifty times as noisy as those without. So they are divided by how much noisier they are (weighted least squares), or an
 inertia that is estimated would be that of noise.
 """
 
@@ -60,13 +60,13 @@ def step_response(half: Array) -> Array:
 
 
 class CarrierFunctions(TestFunctions):
-    """Test functions with carriers, bump by bump: the bump itself where it is wanted, then cosine and sine of each.
+    """Test functions with carriers: each by itself where that is wanted, then cosine and sine of each carrier.
 
     Args:
-        plain: the bumps.
+        plain: the test functions.
         recording: gives the position.
         carriers: wave numbers.
-        alone: whether the bumps without a carrier are left out.
+        alone: whether the test functions without a carrier are left out.
     """
 
     def __init__(
@@ -84,10 +84,10 @@ class CarrierFunctions(TestFunctions):
         self.count = plain.count * self.each
 
     def weighted(self, quadrature: Quadrature, recording: Recording, inertia: float) -> CarrierFunctions:
-        """Return them with the rows of each carrier no noisier than those of the bumps.
+        """Return them with the rows of each carrier no noisier than those of the test functions.
 
         Args:
-            quadrature, recording: of the bumps.
+            quadrature, recording: of the test functions.
             inertia: J [kg m²] or M [kg], with which noise of the velocity counts beside that of the torque.
         """
         if not self.count:
@@ -109,7 +109,7 @@ class CarrierFunctions(TestFunctions):
         return other
 
     def integrals(self, integrand: Array) -> Array:
-        """Return the means under the bumps, the same for every row of a bump, shape (k, number of rows)."""
+        """Return the means under the test functions, the same for every row of one, shape (k, number of rows)."""
         return np.repeat(self._plain.integrals(integrand), self.each, axis=1)
 
     def torques(self, quadrature: Quadrature, rows: Array) -> Array:

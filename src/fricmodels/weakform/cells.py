@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 _BLOCK, _AT_ONCE = 512, 16
-"""Bumps that are summed together, and how many at once."""
+"""Test functions that are summed together, and how many at once."""
 
 
 @njit(cache=True, nogil=True)
@@ -83,13 +83,13 @@ def under_hats(
 
 @njit(cache=True, nogil=True)
 def runs_of(kept: Any, first: Any, counts: Any, hop: int, begins: Any, lengths: Any) -> int:
-    """Write where each run of neighbouring bumps begins, and how many there are in it; return how many runs.
+    """Write where each run of neighbouring test functions begins, and how many there are in it; return how many runs.
 
     Args:
-        kept: which of all bumps are wanted, ascending, shape (M,).
-        first: sample at which the first bump of each stretch begins, shape (s,).
-        counts: how many bumps there are in each stretch, a part of a bump apart, shape (s,).
-        hop: samples from bump to bump.
+        kept: which of all test functions are wanted, ascending, shape (M,).
+        first: sample at which the first test function of each stretch begins, shape (s,).
+        counts: how many test functions there are in each stretch, a part of a test function apart, shape (s,).
+        hop: samples from test function to test function.
         begins, lengths: to be written as far as there are runs, shape (M,).
     """
     found, piece, before = 0, 0, 0
@@ -129,17 +129,17 @@ def side_by_side(values: Any, hop: int, count: int, places: Any) -> None:
 
 @njit(cache=True, nogil=True)
 def weighted_sums(rows: Any, begins: Any, lengths: Any, parts: Any, sums: Any) -> None:
-    """Write the sums of each row under a bump that is moved along it, in the same order on every processor.
+    """Write the sums of each row under a test function that is moved along it, in the same order on every processor.
 
-    A bump is made of as many equal parts as there are hops to it. Samples at the same place in a part are put side by
-    side: those of all bumps then are. Bumps are taken in blocks that stay in the cache; a block is filled up, so that
-    none of it is left over when many are summed at once.
+    A test function is made of as many equal parts as there are hops to it. Samples at the same place in a part are put
+    side by side: those of all test functions then are. These are taken in blocks that stay in the cache; a block is
+    filled up, so that none of it is left over when many are summed at once.
 
     Args:
         rows: shape (k, N).
-        begins: sample at which the first bump of each run begins, shape (s,).
-        lengths: how many bumps there are in each run, a part of a bump apart, shape (s,).
-        parts: weights of a bump, shape (8, hop).
+        begins: sample at which the first test function of each run begins, shape (s,).
+        lengths: how many test functions there are in each run, a part of a test function apart, shape (s,).
+        parts: weights of a test function, shape (8, hop).
         sums: to be written, shape (k, M).
     """
     hop = parts.shape[1]
@@ -178,7 +178,7 @@ def sums_along_cubics(
     parts: Any,
     sums: Any,
 ) -> None:
-    """Write the sums under bumps of the integral of each row over each cell, one row after the other.
+    """Write the sums under test functions of the integral of each row over each cell, one row after the other.
 
     Args:
         rows, half, cell, before, after, bending: as of :func:`along_cubics`.

@@ -81,7 +81,7 @@ def _left_by(found: Solved, changes: Array) -> Array:
         _share(net[count + cells :], net[cell + 1]) * moving[cell + 1] * changes[:, cell + 1]
         - _share(net[count : count + cells], net[cell]) * moving[cell] * changes[:, cell]
     )
-    return np.asarray(problem.integrals(-by_velocity * everywhere) + problem.bumps.of_cells(momentum))
+    return np.asarray(problem.integrals(-by_velocity * everywhere) + problem.test_functions.of_cells(momentum))
 
 
 def _share(at_zero: Array, beside: Array) -> Array:

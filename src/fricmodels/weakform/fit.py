@@ -59,7 +59,7 @@ def _asked(drive: Drive) -> int:
 
 
 def _clear(problem: WeakFormProblem) -> str:
-    return stretches_of_motion(problem.rows, problem.bumps.width * problem.recording.interval)
+    return stretches_of_motion(problem.rows, problem.test_functions.width * problem.recording.interval)
 
 
 def _way_out(problem: WeakFormProblem) -> str:
@@ -70,10 +70,10 @@ def _way_out(problem: WeakFormProblem) -> str:
     origin = problem.recording.origin
     whole = problem.recording if origin is None else origin.whole
     lengths = np.array([piece.stop - piece.start for piece in stretches(whole.time, whole.run)])
-    short = lengths[lengths < problem.bumps.width]
+    short = lengths[lengths < problem.test_functions.width]
     if 2 * short.sum() <= lengths.sum():
         return MORE_MOTION
-    return without_gaps(int(short.max()), problem.bumps.width)
+    return without_gaps(int(short.max()), problem.test_functions.width)
 
 
 @dataclass(frozen=True)
@@ -255,7 +255,8 @@ def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Solved 
     if drive.model.states or nonlinear <= set(start):
         return again
     before = found.problem
-    same = before.bumps is problem.bumps and before.quadrature is problem.quadrature and before.shift == problem.shift
+    same = before.test_functions is problem.test_functions and before.quadrature is problem.quadrature
+    same = same and before.shift == problem.shift
     if not same and begins_where(problem, Plan(start=known(start)), found):
         return again  # these rows would begin where the others did, and have come from there
     scanned = replace(found, problem=problem) if same else fit(start)

@@ -47,7 +47,7 @@ _QUANTILE = 1.645
 _STRETCH = 512
 """Wave numbers of the padded spectrum, 256 times its resolution, that are looked at as one surrounding."""
 _INDEPENDENT = 16
-"""Samples to an independent score, at most: as many as the narrowest bump spans."""
+"""Samples to an independent score, at most: as many as the narrowest test function spans."""
 _ENOUGH = 16 * _INDEPENDENT
 """Least number of samples: fewer independent scores have no long-run variance to speak of."""
 
@@ -287,25 +287,25 @@ def smallest_line(white: Whitened, band: tuple[float, float], level: float) -> f
 def fast_band(problem: WeakFormProblem) -> tuple[float, float] | None:
     """Return the wave numbers that the samples carry and the rows do not; ``None`` where there are none.
 
-    Half of the time a bump must pass more than a quarter period, and the samples less than half of one. Positions on a
-    grid show no wave shorter than two of its steps.
+    Half of the time a test function must pass more than a quarter period, and the samples less than half of one.
+    Positions on a grid show no wave shorter than two of its steps.
     """
     if "position" not in problem.recording:
         return None
-    covered = problem.bumps.covered(len(problem.recording))
+    covered = problem.test_functions.covered(len(problem.recording))
     place, passed = positions(problem)
     used = covered & (passed != 0.0)
     if int(np.sum(used)) < _ENOUGH:
         return None
     fastest = float(np.pi / max(np.median(np.abs(passed[used])), quantum(problem.recording["position"])))
-    slowest = max(0.5 * fastest / problem.bumps.width, 2 * np.pi * LEAST_PERIODS / float(np.ptp(place[used])))
+    slowest = max(0.5 * fastest / problem.test_functions.width, 2 * np.pi * LEAST_PERIODS / float(np.ptp(place[used])))
     return (slowest, fastest) if fastest > slowest else None
 
 
 def averaged_from(problem: WeakFormProblem) -> float:
-    """Return the wave number from which on a bump passes a whole wave half of the time, and so averages it away."""
+    """Return the wave number from which on a test function passes a whole wave half the time, and averages it away."""
     band = fast_band(problem)
-    return np.inf if band is None else 2.0 * band[1] / problem.bumps.width
+    return np.inf if band is None else 2.0 * band[1] / problem.test_functions.width
 
 
 def _peaks(power: Array, large: Mask, level: float, ways: int) -> Index:

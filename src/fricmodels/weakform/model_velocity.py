@@ -20,7 +20,7 @@ from fricmodels.weakform.feedback import feedback
 from fricmodels.weakform.hidden import drowned, sign_is_hidden
 from fricmodels.weakform.inference import is_contradicted
 from fricmodels.weakform.predicted_velocity import ModelVelocity, both_ways, model_velocity, risk, sought
-from fricmodels.weakform.row_noise import FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT, bump_width
+from fricmodels.weakform.row_noise import FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT, least_width
 from fricmodels.weakform.shift_evidence import STRONG, could_be_shifted, log_odds_of_a_shift
 from fricmodels.weakform.solve import Solved, solve
 from fricmodels.weakform.tangent import tangents
@@ -127,10 +127,10 @@ def _rounds(
     # No row need be clear of uncertain motion: the noise of the momentum alone says how wide is wide enough.
     best, used, least = begin, None, np.inf
     values = np.array([parameters[key] for key in drive.keys])
-    width = problem.bumps.width
+    width = problem.test_functions.width
     if widen:
         inertia, _ = drive.split(parameters)
-        width = max(width, bump_width(problem.recording, inertia, FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT))
+        width = max(width, least_width(problem.recording, inertia, FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT))
     for _ in range(MAX_ROUNDS):
         predicted, first = first, None
         if predicted is None:

@@ -137,8 +137,8 @@ def _is_quieter(position: Noise, velocity: Noise, interval: float) -> bool:
     ratio = 1.0
     reach = max(1, round(max(WINDOWS) / interval))
     triangle = 1.0 - np.abs(np.arange(1 - reach, reach)) / reach
-    bump = (1.0 - np.linspace(-1.0, 1.0, _TYPICAL + 1)[1:-1] ** 2) ** 2
-    for changes in (triangle, bump):
+    test_function = (1.0 - np.linspace(-1.0, 1.0, _TYPICAL + 1)[1:-1] ** 2) ** 2
+    for changes in (triangle, test_function):
         on_velocities = np.diff(changes, prepend=0.0, append=0.0)
         on_positions = np.diff(on_velocities, prepend=0.0, append=0.0) / interval
         own = velocity.after(on_velocities)

@@ -1,8 +1,9 @@
 r"""The residual of a model as the diagnosis sees it: weak form, base directions, nuisances.
 
-Each row is one bump φ on the recording. The target is :math:`\int\varphi(\tau_m-\tau_L)\,dt - J\int\varphi\,d\omega`,
-the columns are the integrals of what a model is linear in. Candidate effects give columns of the same kind, so that
-testing an effect is a question of linear regression, whatever the effect is.
+Each row is one test function φ on the recording. The target is
+:math:`\int\varphi(\tau_m-\tau_L)\,dt - J\int\varphi\,d\omega`, the columns are the integrals of what a model is linear
+in. Candidate effects give columns of the same kind, so that testing an effect is a question of linear regression,
+whatever the effect is.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.rates import relative_intervals
 from fricmodels.weakform.remembered import INTEGRALS, Part, Remembered
 from fricmodels.weakform.repeats import parts_of, phase_of
-from fricmodels.weakform.row_noise import beyond_noise, bump_width, momentum_noise, noise_impulses, noisier, row_counts
+from fricmodels.weakform.row_noise import beyond_noise, least_width, momentum_noise, noise_impulses, noisier, row_counts
 from fricmodels.weakform.smoothed import smoothed
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity, rows_of
 from fricmodels.weakform.unclear import creeping, direction_unclear
@@ -52,7 +53,7 @@ class WeakFormProblem:
         recording: prepared; ``velocity`` as measured, torques at its time, see :meth:`fricmodels.drive.Drive.timed`.
         smooth, half_width: velocity freed of noise, with its :mod:`.kinks`, for friction; half width of that filter.
         resting: samples at rest.
-        quadrature, bumps, friction_limits: see :mod:`.quadrature`, :mod:`.test_functions`, :mod:`.friction_limits`.
+        quadrature, test_functions, friction_limits: see the modules of these names.
         estimated: parameters of the drive's fit, once there is one; see :attr:`motor_torque`.
         delay: by which the model's own delay, if it has one, was taken out of the recording [s].
         carriers: wave numbers that the test functions carry, see :mod:`.carriers`.
@@ -67,7 +68,7 @@ class WeakFormProblem:
     smooth: Array
     resting: Mask
     quadrature: Quadrature
-    bumps: TestFunctions
+    test_functions: TestFunctions
     half_width: int
     friction_limits: tuple[float, float]
     estimated: Mapping[str, float] | None = None
@@ -115,28 +116,28 @@ class WeakFormProblem:
                 slow = slow | held_while_creeping(part, motion.velocity, motion.creeps, inertia, lambda: limits)
             unclear = direction_unclear(part, smooth, at_rest | slow, limits)
             same = like is not None and plain and like.recording is part and np.array_equal(like.smooth, smooth)
-            if like is not None and same and like.bumps.is_of(width, unclear):
+            if like is not None and same and like.test_functions.is_of(width, unclear):
                 return like
             rows, half = rows_of(part, smooth, width, unclear, row_counts(part, inertia, width)), motion.half_width
             return cls(drive, part, smooth, at_rest, *rows, half, (0.0, 0.0), delay=delay, made_for=made_for)
 
         estimated = drive.inertia is None
-        problem = over(width or bump_width(part, inertia, estimated=estimated))
+        problem = over(width or least_width(part, inertia, estimated=estimated))
         if width is None and problem.independent < _FEW:
-            narrower = bump_width(part, inertia, estimated=estimated, narrow=True)
-            problem = over(narrower) if narrower < problem.bumps.width else problem
+            narrower = least_width(part, inertia, estimated=estimated, narrow=True)
+            problem = over(narrower) if narrower < problem.test_functions.width else problem
         problem = problem if guessed else problem._weighed(parameters, inertia)
         return problem.at(friction_limits=limits_of_friction(drive, part, parameters))
 
     def _weighed(self, parameters: Mapping[str, float], inertia: float) -> WeakFormProblem:
         """Return it with rows that count by what is left of them, too; see :mod:`.weighing`."""
-        if self.bumps.counts is None or not self.rows:
+        if self.test_functions.counts is None or not self.rows:
             return self
         columns, _ = self.columns(self.drive, self.drive.model.nonlinear_of(parameters))
         own = [] if self.drive.inertia is not None else [self.momentum]
         design = np.vstack([columns, self.sign_change, self.torque_rate, *own])
-        counts = counts_as_left(self.recording, self.bumps, inertia, self.target, design)
-        return self if counts is None else replace(self, bumps=self.bumps.counting(counts))
+        counts = counts_as_left(self.recording, self.test_functions, inertia, self.target, design)
+        return self if counts is None else replace(self, test_functions=self.test_functions.counting(counts))
 
     def at(self, **changes: Any) -> WeakFormProblem:
         """Return it with another known ``shift`` [s], other ``friction_limits``, or ``held`` or not; the rest stays."""
@@ -167,15 +168,16 @@ class WeakFormProblem:
         An effect with memory may do most of what it does there, and need not know the direction at every instant: the
         torque of a contact that bends, or of a gap, comes from the way that was covered.
         """
-        unclear = self.resting | creeping(self.recording, self.bumps.width)
-        quadrature, bumps = rows_of(self.recording, self.smooth, self.bumps.width, unclear, self.bumps.counts)
-        return replace(self, quadrature=quadrature, bumps=bumps).carrying(self.carriers)
+        width, counts = self.test_functions.width, self.test_functions.counts
+        unclear = self.resting | creeping(self.recording, width)
+        quadrature, test_functions = rows_of(self.recording, self.smooth, width, unclear, counts)
+        return replace(self, quadrature=quadrature, test_functions=test_functions).carrying(self.carriers)
 
     def clear_of(self, samples: Mask) -> WeakFormProblem:
         """Return the same problem with the rows that none of some samples lies within."""
-        other = replace(self, bumps=self.bumps.clear_of(samples))
-        if self.bumps.each == 1:  # what is known of the rows is known of fewer
-            chosen = self.bumps.in_common(other.bumps)
+        other = replace(self, test_functions=self.test_functions.clear_of(samples))
+        if self.test_functions.each == 1:  # what is known of the rows is known of fewer
+            chosen = self.test_functions.in_common(other.test_functions)
             same = (_OF_ROWS - {"integrated"}) & self.__dict__.keys()
             other.__dict__.update({name: self.__dict__[name][chosen] for name in same})
             other.__dict__["integrated"] = Part(self.integrated, chosen)
@@ -186,8 +188,9 @@ class WeakFormProblem:
         if not carriers:
             return self
         inertia, _ = self.drive.split(self.made_for)
-        bumps = CarrierFunctions(self.bumps, self.recording, carriers)
-        return replace(self, bumps=bumps.weighted(self.quadrature, self.recording, inertia), carriers=carriers)
+        alike = CarrierFunctions(self.test_functions, self.recording, carriers)
+        weighted = alike.weighted(self.quadrature, self.recording, inertia)
+        return replace(self, test_functions=weighted, carriers=carriers)
 
     def along(self, velocity: Array, resting: Mask, width: int | None = None) -> WeakFormProblem:
         """Return the same problem with friction evaluated at another velocity, on all samples that do not rest by it.
@@ -197,26 +200,26 @@ class WeakFormProblem:
             width: samples that a test function spans; as before if not given.
         """
         over_cells = self.recording.derived_over > 0
-        width, counts = width or self.bumps.width, self.bumps.counts
-        bumps = TestFunctions(self.recording, width, resting, over_cells=over_cells, counts=counts)
+        width, counts = width or self.test_functions.width, self.test_functions.counts
+        test_functions = TestFunctions(self.recording, width, resting, over_cells=over_cells, counts=counts)
         quadrature = Quadrature.of(self.recording, velocity, resting)
-        moved = replace(self, smooth=velocity, resting=resting, quadrature=quadrature, bumps=bumps)
+        moved = replace(self, smooth=velocity, resting=resting, quadrature=quadrature, test_functions=test_functions)
         return moved.carrying(self.carriers)
 
     @property
     def rows(self) -> int:
-        """Number of bumps."""
-        return self.bumps.count
+        """Number of test functions."""
+        return self.test_functions.count
 
     @property
     def independent(self) -> float:
-        """About how many of the rows are independent: two to a bump width."""
-        return 2.0 * self.rows / (HOPS * self.bumps.each)
+        """About how many of the rows are independent: two to the width of a test function."""
+        return 2.0 * self.rows / (HOPS * self.test_functions.each)
 
     @cached_property
     def momentum(self) -> Array:
         """∫φ dω, shape (rows,); where the velocity was derived, by the positions themselves."""
-        return self.bumps.momentum(self.cell_velocity)
+        return self.test_functions.momentum(self.cell_velocity)
 
     @property
     def cell_velocity(self) -> Array:
@@ -227,7 +230,7 @@ class WeakFormProblem:
     @cached_property
     def noise_of_momentum(self) -> Array:
         """What noise may add to :attr:`momentum`, shape (rows,)."""
-        return momentum_noise(self.bumps, self.recording)
+        return momentum_noise(self.test_functions, self.recording)
 
     @property
     def momentum_noise(self) -> float:
@@ -237,7 +240,7 @@ class WeakFormProblem:
     @cached_property
     def torque_noise(self) -> float:
         """Sum of squares that noise of the motor torque adds to :attr:`driving`."""
-        return float(np.sum(noise_impulses(self.bumps, self.quadrature, self.recording) ** 2))
+        return float(np.sum(noise_impulses(self.test_functions, self.quadrature, self.recording) ** 2))
 
     @cached_property
     def driving(self) -> Array:
@@ -245,8 +248,9 @@ class WeakFormProblem:
         points = self.quadrature.recording
         if self.held:
             impulses = as_held(self.recording).torque * self.quadrature.moving_time
-            return np.asarray(self.bumps.of_cells(impulses[None])[0] - self.integrals(points.load_torque[None])[0])
-        return self.bumps.driving(self.quadrature, points.driving_torque)
+            driving = self.test_functions.of_cells(impulses[None])[0]
+            return np.asarray(driving - self.integrals(points.load_torque[None])[0])
+        return self.test_functions.driving(self.quadrature, points.driving_torque)
 
     @cached_property
     def torque_rate(self) -> Array:
@@ -259,13 +263,13 @@ class WeakFormProblem:
         if self.shift:
             torque = torque - 0.5 * self.shift * relative * self.recording.signal("motor_torque_rate")
         change = self.quadrature.change_while_moving(torque)
-        return np.asarray(self.bumps.of_cells((relative * change)[None])[0])
+        return np.asarray(self.test_functions.of_cells((relative * change)[None])[0])
 
     @cached_property
     def sign_change(self) -> Array:
         """What a shift by a sample of every reversal would add, per unit of Coulomb torque, shape (rows,)."""
         shift = self.quadrature.turns * self.recording.interval * relative_intervals(self.recording)
-        return np.asarray(self.bumps.of_cells(shift[None])[0])
+        return np.asarray(self.test_functions.of_cells(shift[None])[0])
 
     @cached_property
     def target(self) -> Array:
@@ -274,14 +278,16 @@ class WeakFormProblem:
 
     @cached_property
     def centre(self) -> Index:
-        """Index of the sample at the middle of each bump."""
-        index, ones = self.bumps.integrals(np.vstack([np.arange(len(self.recording)), np.ones(len(self.recording))]))
+        """Index of the sample at the middle of each test function."""
+        samples = np.arange(len(self.recording))
+        index, ones = self.test_functions.integrals(np.vstack([samples, np.ones(len(samples))]))
         return np.asarray(np.rint(index / ones), dtype=np.int64)
 
     @cached_property
     def repeats(self) -> Index | None:
         """In which part of a motion that repeats each row lies, shape (rows,); ``None`` where none repeats."""
-        return parts_of(self.recording, self.centre, self.bumps.width / HOPS) if phase_of(self.recording) else None
+        hop = self.test_functions.width / HOPS
+        return parts_of(self.recording, self.centre, hop) if phase_of(self.recording) else None
 
     def integrals(self, rows: Array, derivatives: Array | None = None) -> Array:
         """Return ∫φ f dt of rows evaluated at the quadrature's samples, shape (k, rows).
@@ -291,7 +297,7 @@ class WeakFormProblem:
             derivatives: constant ones of each row by acceleration and motor torque, shape (2, k): of an acceleration,
                 also of that in :attr:`motor_torque`, the integral is the momentum.
         """
-        found = self.bumps.torques(self.quadrature, rows)
+        found = self.test_functions.torques(self.quadrature, rows)
         if derivatives is not None and np.any(derivatives):
             of_torque = torque_by_acceleration(self.drive, self.estimated) if self.estimated else 0.0
             found = found + (derivatives[0] + of_torque * derivatives[1])[:, None] * self.derived_too_little
@@ -306,7 +312,7 @@ class WeakFormProblem:
     def _beyond_derivative(self) -> tuple[Array, Array]:
         """:attr:`derived_too_little`, and the same with as much noise again."""
         both = self.quadrature, self.quadrature.at_velocity(self.smooth, self._noisier[1])
-        derived, again = (self.bumps.torques(at, at.recording["acceleration"][None])[0] for at in both)
+        derived, again = (self.test_functions.torques(at, at.recording["acceleration"][None])[0] for at in both)
         return beyond_noise(self.momentum, self.noise_of_momentum, derived, again)
 
     def columns(self, drive: Drive, nonlinear: Sequence[float] = (), delay: float = 0.0) -> tuple[Array, Array]:
@@ -346,17 +352,9 @@ class WeakFormProblem:
         points = self.quadrature.recording
         return points.with_channels(torque=self.motor_torque) if "motor_torque" in self.drive.model.needs else points
 
-    def states_of(self, model: Model, parameters: Sequence[float] | Array) -> list[Array]:
-        """Return the internal states of a model at the quadrature's samples.
-
-        Args:
-            model: the whole one, or a term of it.
-            parameters: all of the model's, in order.
-        """
-        return self._motion_states(model, parameters)
-
     @cached_property
-    def _motion_states(self) -> MotionStates:
+    def states_of(self) -> MotionStates:
+        """What gives the internal states of a model, or of a term of it, at the quadrature's samples."""
         known = self.estimated or self.made_for
         return MotionStates(self.drive, known, self.recording, self.smooth, self.resting, self.quadrature.cell)
 

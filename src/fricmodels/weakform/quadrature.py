@@ -131,13 +131,13 @@ class Quadrature:
         return values
 
     def sums_along_cubics(self, rows: Array, begins: Index, lengths: Index, parts: Array, count: int) -> Array:
-        """Return the sums under bumps of the integral of each row over each cell, shape (k, bumps).
+        """Return the sums under test functions of the integral of each row over each cell, shape (k, test functions).
 
         By cubics where four samples lie in one stretch of motion.
 
         Args:
             rows: evaluated at :attr:`recording`, shape (k, N + two for each split cell).
-            begins, lengths, parts: the bumps, see :func:`.cells.weighted_sums`.
+            begins, lengths, parts: the test functions, see :func:`.cells.weighted_sums`.
             count: how many there are.
         """
         from fricmodels.weakform.cells import sums_along_cubics

@@ -1,9 +1,9 @@
 r"""Runs that were sampled at different rates, or are more or less noisy: how much a row of each counts.
 
-A bump spans as many samples in every run. Noise of the velocity is then as large in each row, but noise of the torque,
-and what no model explains, grow with the interval. A row counts by the inverse of what it is expected to leave: without
-that, of a run at 1 kHz and one at 50 Hz rows of the second, twenty times as large, decided everything; and so did those
-of a noisy run beside a quiet one.
+A test function spans as many samples in every run. Noise of the velocity is then as large in each row, but noise of
+the torque, and what no model explains, grow with the interval. A row counts by the inverse of what it is expected to
+leave: without that, of a run at 1 kHz and one at 50 Hz rows of the second, twenty times as large, decided everything;
+and so did those of a noisy run beside a quiet one.
 """
 
 from __future__ import annotations

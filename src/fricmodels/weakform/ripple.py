@@ -22,7 +22,7 @@ from fricmodels.weakform.test_functions import TestFunctions
 _HARMONICS = 8
 """Greatest multiple of a wave number that is told."""
 _WIDEST = 256
-"""Most samples that a bump with a carrier spans."""
+"""Most samples that a test function with a carrier spans."""
 
 
 @dataclass(frozen=True)
@@ -114,16 +114,17 @@ def relations(waves: Waves) -> dict[float, str]:
 def carriers_alone(problem: WeakFormProblem, carriers: Sequence[float]) -> WeakFormProblem:
     """Return the same problem with nothing but rows that carry waves over position.
 
-    The wider a bump, the less noise passes: it is widened while that costs less than half of the motion.
+    The wider a test function, the less noise passes: it is widened while that costs less than half of the motion.
     """
-    recording, bumps = problem.recording, problem.bumps
-    unclear = ~bumps.covered(len(recording))
-    while 2 * bumps.width <= _WIDEST:
-        wider = TestFunctions(recording, 2 * bumps.width, unclear, least_moving=1.0, over_cells=bumps.over_cells)
-        if wider.count * wider.hop < 0.5 * problem.bumps.count * problem.bumps.hop:
+    recording, own = problem.recording, problem.test_functions
+    unclear, plain = ~own.covered(len(recording)), own
+    while 2 * plain.width <= _WIDEST:
+        wider = TestFunctions(recording, 2 * plain.width, unclear, least_moving=1.0, over_cells=own.over_cells)
+        if wider.count * wider.hop < 0.5 * own.count * own.hop:
             break
-        bumps = wider
-    return replace(problem, bumps=CarrierFunctions(bumps, recording, carriers, alone=True), carriers=tuple(carriers))
+        plain = wider
+    test_functions = CarrierFunctions(plain, recording, carriers, alone=True)
+    return replace(problem, test_functions=test_functions, carriers=tuple(carriers))
 
 
 def of_waves(

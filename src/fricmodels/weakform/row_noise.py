@@ -21,17 +21,17 @@ from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
 
 _NARROWEST, WIDEST = 16, 128
-"""Samples that a bump spans, at the least and at the most."""
+"""Samples that a test function spans, at the least and at the most."""
 FEWEST, FEWEST_WHERE_ALL_COUNT = 40, 20
 """Widths that all runs have at least for each that is lost at the end of one, so that some are clear of what is
 uncertain; and where none need be."""
 _DERIVED = 6
-"""A bump spans at least so many half widths of the derivation of the velocity, at which friction is evaluated."""
+"""A test function spans at least so many half widths of the derivation of the velocity, where friction is evaluated."""
 _FEWEST_FOR_INERTIA, _OF_MOMENTUM = 8, 0.01
 """Widths that it has at least where noise would make an estimated inertia too small by more than this share."""
 NOISE_SHARE, NOISE_SHARE_WHERE_ALL_COUNT = 0.01, 0.005
-"""The bump is widened until the noise of the velocity adds less than this share of the RMS torque to a row. Where no
-row need be clear of uncertain motion, a wide bump loses no rows, and it is widened until that is half as much."""
+"""The test function is widened until the noise of the velocity adds less than this share of the RMS torque to a row.
+Where no row need be clear of uncertain motion, a wide one loses no rows: it is widened until that is half as much."""
 
 
 def velocity_noise_like(recording: Recording, rng: np.random.Generator) -> Array:
@@ -57,14 +57,14 @@ def noisier(recording: Recording, smooth: Array, half_width: int) -> tuple[Array
     return np.where(moved * smooth > 0, moved, smooth), acceleration
 
 
-def momentum_noise(bumps: TestFunctions, recording: Recording) -> Array:
+def momentum_noise(test_functions: TestFunctions, recording: Recording) -> Array:
     """Return the momentum per inertia that noise alone would show, shape (rows,).
 
     Args:
-        bumps: of the recording.
+        test_functions: of the recording.
         recording: whose position or velocity is noisy.
     """
-    return bumps.momentum(_noise_of_cells(recording))
+    return test_functions.momentum(_noise_of_cells(recording))
 
 
 @once
@@ -92,11 +92,12 @@ def beyond_noise(momentum: Array, noise: Array, derived: Array, derived_again: A
     return share * own, share * again
 
 
-def noise_impulses(bumps: TestFunctions, quadrature: Quadrature, recording: Recording) -> Array:
+def noise_impulses(test_functions: TestFunctions, quadrature: Quadrature, recording: Recording) -> Array:
     """Return what noise of the motor torque alone would drive in the rows, shape (rows,)."""
     drawn = noise.noise_like(recording, "torque", np.random.default_rng(0))
     cell = quadrature.cell
-    return np.asarray(bumps.torques(quadrature, np.concatenate([drawn, drawn[cell], drawn[cell + 1]])[None])[0])
+    at_points = np.concatenate([drawn, drawn[cell], drawn[cell + 1]])
+    return np.asarray(test_functions.torques(quadrature, at_points[None])[0])
 
 
 def row_counts(recording: Recording, inertia: float, width: int) -> Array | None:
@@ -136,10 +137,10 @@ def row_sizes(recording: Recording, inertia: float, width: int) -> tuple[Array, 
         return None
     everywhere = np.zeros(len(recording), dtype=bool)
     of = np.zeros(len(recording), dtype=np.int64) if which is None else which
-    bumps = TestFunctions(recording, width, everywhere, over_cells=recording.derived_over > 0)
-    momentum = inertia * momentum_noise(bumps, recording)
-    torque = noise_impulses(bumps, Quadrature.of(recording, recording.velocity, everywhere), recording)
-    at = bumps.begins
+    test_functions = TestFunctions(recording, width, everywhere, over_cells=recording.derived_over > 0)
+    momentum = inertia * momentum_noise(test_functions, recording)
+    torque = noise_impulses(test_functions, Quadrature.of(recording, recording.velocity, everywhere), recording)
+    at = test_functions.begins
 
     def size(rows: Array) -> Array:
         """Return the RMS of the rows that begin in samples alike, and where none do that of all, shape (N,)."""
@@ -197,7 +198,7 @@ def _of_momentum(regression: Regression, momentum: Array, noise: Array) -> tuple
 _momentum_of: WeakKeyDictionary[Regression, tuple[Array, Array, Array, Array]] = WeakKeyDictionary()
 
 
-def bump_width(
+def least_width(
     recording: Recording,
     inertia: float,
     fewest: int = FEWEST,
@@ -209,7 +210,7 @@ def bump_width(
     r"""Return the least width at which velocity noise adds less than the stated share of the RMS torque to a row.
 
     An inertia that is estimated is too small by the share λ of noise in the squared momentum, whatever it is. Then a
-    bump is widened, beyond what leaves many, until that is less than a hundredth.
+    test function is widened, beyond what leaves many, until that is less than a hundredth.
 
     Args:
         recording: with velocity and torque.
@@ -243,9 +244,9 @@ def _torque_and_runs(recording: Recording) -> tuple[float, Array]:
 def _widest(runs: Array, fewest: int) -> int:
     r"""Return the largest width, a multiple of :data:`HOPS`, at which enough is left of all runs together.
 
-    A bump that would reach beyond the end of a run is none: a run of N samples loses w of them, and all if it has no
-    more. The largest w is taken with :math:`\sum N \ge f \sum \min(N, w)`. Of runs of one length that is N/f. One short
-    run beside a long one is no reason for narrow bumps.
+    A test function that would reach beyond the end of a run is none: a run of N samples loses w of them, and all if it
+    has no more. The largest w is taken with :math:`\sum N \ge f \sum \min(N, w)`. Of runs of one length that is N/f.
+    One short run beside a long one is no reason for narrow test functions.
 
     Args:
         runs: number of samples of each run, N.
@@ -261,9 +262,9 @@ def _momentum(recording: Recording, width: int) -> tuple[int, float, float]:
     known = _momenta(recording)
     if width not in known:
         nothing, over_cells = np.zeros(len(recording), dtype=bool), recording.derived_over > 0
-        bumps = TestFunctions(recording, width, nothing, over_cells=over_cells)
+        test_functions = TestFunctions(recording, width, nothing, over_cells=over_cells)
         velocity = mean_velocity(recording, recording["position"]) if over_cells else recording.velocity
-        noise, momentum = momentum_noise(bumps, recording), bumps.momentum(velocity)
+        noise, momentum = momentum_noise(test_functions, recording), test_functions.momentum(velocity)
         known[width] = len(noise), float(noise @ noise), float(momentum @ momentum)
     return known[width]
 

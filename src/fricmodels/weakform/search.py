@@ -295,11 +295,11 @@ def periods(problem: WeakFormProblem, regression: Regression, factor: Array, lea
 def fastest_in_rows(problem: WeakFormProblem) -> float | None:
     """Return the greatest wave number that the rows show; ``None`` where nothing moves.
 
-    A fifth of the time a bump must pass less than a whole wave, or it averages the effect away, and what is left fits
-    any other as well. Faster ones are found in the samples, see :mod:`.lines`.
+    A fifth of the time a test function must pass less than a whole wave, or it averages the effect away, and what is
+    left fits any other as well. Faster ones are found in the samples, see :mod:`.lines`.
     """
     travel = np.abs(problem.smooth) * problem.recording.interval * relative_intervals(problem.recording)
     moving = ~problem.resting & (travel > 0)
     if not np.any(moving):
         return None
-    return float(2 * np.pi / (float(np.percentile(travel[moving], 20)) * problem.bumps.width))
+    return float(2 * np.pi / (float(np.percentile(travel[moving], 20)) * problem.test_functions.width))

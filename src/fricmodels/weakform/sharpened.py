@@ -32,7 +32,7 @@ def at_sharpened_velocity(found: Solved) -> Solved:
     problem = found.problem
     taken = smoothed_away(problem.recording, problem.smooth, problem.half_width)
     velocity = np.where(problem.smooth != 0.0, problem.smooth + taken, 0.0)
-    quadrature = Quadrature.of(problem.recording, velocity, problem.bumps.left_out)
+    quadrature = Quadrature.of(problem.recording, velocity, problem.test_functions.left_out)
     return solve(replace(problem, smooth=velocity, quadrature=quadrature), found.again, timing=found.timing)
 
 

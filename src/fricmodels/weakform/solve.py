@@ -379,7 +379,7 @@ def begins_where(problem: WeakFormProblem, plan: Plan, found: Solved) -> bool:
     if start is None:
         return False
     along = found.problem.smooth is problem.smooth and plan == found.plan
-    both = found.problem.bumps.in_common(problem.bumps) if along else np.zeros(0, dtype=np.int64)
+    both = found.problem.test_functions.in_common(problem.test_functions) if along else np.zeros(0, dtype=np.int64)
     if len(both) > _NEARLY_ALL * max(problem.rows, found.problem.rows):
         if scan is None:
             return True

@@ -148,33 +148,33 @@ def scatter_of_torque(problem: WeakFormProblem) -> Array:
 def _scatter_of_torque(problem: WeakFormProblem) -> Array:
     errors, cell = errors_of_torque_steps(problem.recording), problem.quadrature.cell
     if not len(errors):
-        return np.zeros((0, problem.bumps.count))
+        return np.zeros((0, problem.test_functions.count))
     if problem.held:
-        return np.asarray(problem.bumps.of_cells(errors * problem.quadrature.moving_time))
+        return np.asarray(problem.test_functions.of_cells(errors * problem.quadrature.moving_time))
     at_points = np.concatenate([errors, errors[:, cell], errors[:, cell + 1]], axis=1)
-    return np.asarray(problem.bumps.torques(problem.quadrature, at_points))
+    return np.asarray(problem.test_functions.torques(problem.quadrature, at_points))
 
 
 def _scatter(problem: WeakFormProblem, parameters: Mapping[str, float]) -> Array:
-    recording, drive, bumps = problem.recording, problem.drive, problem.bumps
+    recording, drive, test_functions = problem.recording, problem.drive, problem.test_functions
     cells, velocities = errors_of_steps(recording)
     if not len(cells):
-        return np.zeros((0, bumps.count))
+        return np.zeros((0, test_functions.count))
     inertia, values = drive.split(parameters)
     pairs = list(zip(values, drive.model.linear, strict=True))
     theta = np.array([value for value, linear in pairs if linear])
     nonlinear = [value for value, linear in pairs if not linear]
 
     def friction(velocity: Array) -> Array:
-        quadrature = Quadrature.of(recording, velocity, bumps.left_out)
+        quadrature = Quadrature.of(recording, velocity, test_functions.left_out)
         design, offset = drive.regressors(quadrature.recording, nonlinear)
-        return np.asarray(bumps.torques(quadrature, (theta @ design + offset)[None])[0])
+        return np.asarray(test_functions.torques(quadrature, (theta @ design + offset)[None])[0])
 
     with_memory = bool(drive.model.states)
-    before = np.zeros(bumps.count) if with_memory else friction(problem.smooth)
+    before = np.zeros(test_functions.count) if with_memory else friction(problem.smooth)
     found = []
     for cell, velocity in zip(cells, velocities, strict=True):
-        left = -inertia * bumps.momentum(cell)
+        left = -inertia * test_functions.momentum(cell)
         if not with_memory:  # where it has one, what the steps do through it is not reckoned with
             change = lanczos_derivative(recording.time, velocity, problem.half_width, recording.run)[0]
             left -= friction(np.where(problem.smooth != 0.0, problem.smooth + change, 0.0)) - before

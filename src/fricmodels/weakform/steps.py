@@ -1,4 +1,4 @@
-"""The momentum balance from sample to sample: what a fitted model leaves where no bump averages."""
+"""The momentum balance from sample to sample: what a fitted model leaves where no test function averages."""
 
 from __future__ import annotations
 
@@ -34,20 +34,20 @@ class Steps:
     @classmethod
     def of(cls, problem: WeakFormProblem, parameters: Mapping[str, float]) -> Steps:
         """Evaluate what a fitted model leaves."""
-        drive, bumps, recording = problem.drive, problem.bumps, problem.recording
+        drive, test_functions, recording = problem.drive, problem.test_functions, problem.recording
         design, offset = problem.evaluate(drive, drive.model.nonlinear_of(parameters))
         theta = np.array(drive.model.linear_of(parameters, delay=False))
         points = problem.quadrature.recording
         left = points.driving_torque - theta @ design - offset
-        impulses = at_steps(problem.quadrature.impulses(left[None]), bumps.over_cells)[0]
+        impulses = at_steps(problem.quadrature.impulses(left[None]), test_functions.over_cells)[0]
         inertia, _ = drive.split(parameters)
         velocity, interval = problem.cell_velocity, recording.interval * relative_intervals(recording)
-        covered = bumps.covered(len(recording))
+        covered = test_functions.covered(len(recording))
         used = covered & np.roll(covered, 1) & np.roll(covered, -1)
         balance = (impulses - inertia * np.diff(velocity, prepend=velocity[:1])) / interval
         place, passed = positions(problem)
         used &= passed != 0.0
-        return cls(place, passed, np.where(used, balance, 0.0), used, 2 if bumps.over_cells else 1)
+        return cls(place, passed, np.where(used, balance, 0.0), used, 2 if test_functions.over_cells else 1)
 
     @cached_property
     def span(self) -> float:
@@ -60,7 +60,7 @@ def positions(problem: WeakFormProblem) -> tuple[Array, Array]:
 
     An encoder's steps are no motion: what passes follows from the velocity freed of noise.
     """
-    recording, over_cells = problem.recording, problem.bumps.over_cells
+    recording, over_cells = problem.recording, problem.test_functions.over_cells
     place, _ = step_positions(recording["position"], over_cells)
     smooth = problem.smooth
     between = smooth if over_cells else 0.5 * (smooth + np.concatenate([smooth[:1], smooth[:-1]]))

@@ -86,8 +86,8 @@ def _least_instant(
     def left(place: int) -> float:
         return least_squares.cost_beside(np.where(np.arange(len(alpha)) == own, middles[place], alpha))
 
-    place, step = int(np.clip(np.searchsorted(time, alpha[own]) - 1, first, last)), problem.bumps.width
+    place, step = int(np.clip(np.searchsorted(time, alpha[own]) - 1, first, last)), problem.test_functions.width
     while step:
         better = min((place, max(place - step, first), min(place + step, last)), key=left)
         place, step = (better, step) if better != place else (place, step // 2)
-    return in_gap(float(middles[place]), time, problem.bumps.width * problem.recording.interval)
+    return in_gap(float(middles[place]), time, problem.test_functions.width * problem.recording.interval)

@@ -1,11 +1,11 @@
-r"""The equation of motion in weak form: multiplied by bumps that vanish at their ends, and integrated.
+r"""The equation of motion in weak form: multiplied by test functions that vanish at their ends, and integrated.
 
 .. math:: \int \varphi\,(\tau_m - \tau_L - \tau_F)\,dt
           = J \int \varphi\,\dot\omega\,dt = -J \int \dot\varphi\,\omega\,dt
 
-The derivative stands on the bump, which is known, and not on the velocity, which is measured: nothing smears the
-Coulomb step at a reversal, and nothing amplifies noise. How torques are integrated: :mod:`.quadrature`. A resting drive
-fulfils the equation whatever its friction is, so samples at rest contribute to neither side.
+The derivative stands on the test function, which is known, and not on the velocity, which is measured: nothing smears
+the Coulomb step at a reversal, and nothing amplifies noise. How torques are integrated: :mod:`.quadrature`. A resting
+drive fulfils the equation whatever its friction is, so samples at rest contribute to neither side.
 
 The test function is what makes the change of velocity exact. If the velocity is measured it is constant within a cell:
 the change from one sample to the next is the integral of the acceleration over the cell. If only positions are, it is a
@@ -27,7 +27,7 @@ from fricmodels.signals.segments import stretches
 from fricmodels.weakform.quadrature import Quadrature
 
 HOPS = 8
-"""Neighbouring bumps are an eighth of a bump apart: finer ones say nothing new."""
+"""Neighbouring test functions are an eighth of a test function apart: finer ones say nothing new."""
 _TOGETHER = 8
 """Rows that are integrated together, so that memory stays bounded."""
 
@@ -35,7 +35,7 @@ _TOGETHER = 8
 def mean_velocity(recording: Recording, position: Array) -> Array:
     """Return the mean velocity from each sample to the next, shape (N,): what positions say without any smoothing.
 
-    At the last sample of a run there is none; 0 stands there, and no bump reaches it.
+    At the last sample of a run there is none; 0 stands there, and no test function reaches it.
     """
     step = np.diff(recording.time)
     within = (np.diff(recording.run) == 0) & (step > 0)
@@ -46,7 +46,7 @@ def mean_velocity(recording: Recording, position: Array) -> Array:
 
 @lru_cache(maxsize=64)
 def _cells(width: int, over_cells: bool) -> tuple[Array, Array]:
-    """Return a bump's weights of the changes of velocity, and of everything else in each cell, each of sum 1.
+    """Return a test function's weights of the changes of velocity, and of everything else in each cell, each of sum 1.
 
     The change between the mean velocities of two cells weighs the acceleration by a hat over both.
     """
@@ -64,9 +64,9 @@ class TestFunctions:
 
     Args:
         recording: gives the stretches without a gap.
-        width: samples that a bump spans; rounded to a multiple of 8.
+        width: samples that a test function spans; rounded to a multiple of 8.
         resting: samples at rest, or otherwise of no use.
-        least_moving: share of a bump's weight that must be in motion; a bump with less is left out.
+        least_moving: share of a test function's weight that must be in motion; a test function with less is left out.
         over_cells: whether the velocity is the mean over each cell, see :func:`mean_velocity`.
         counts: by how much an equation counts that begins at each sample, shape (N,); all as much if not given.
     """
@@ -93,19 +93,19 @@ class TestFunctions:
         self._velocity_fall = changes[:-1] - changes[1:]
         pieces = [piece for piece in stretches(recording.time, recording.run) if piece.stop - piece.start >= self.width]
         self._first = np.array([piece.start for piece in pieces], dtype=np.int64)
-        self._bumps = np.array([(p.stop - p.start) // self.hop - HOPS + 1 for p in pieces], dtype=np.int64)
+        self._per_stretch = np.array([(p.stop - p.start) // self.hop - HOPS + 1 for p in pieces], dtype=np.int64)
         self.counts: Array | None = None
-        self._keep(np.arange(self._bumps.sum()))
+        self._keep(np.arange(self._per_stretch.sum()))
         moving = self._apply((~resting).astype(float)[None], self._mean)[0]
         self._keep(np.flatnonzero(moving >= least_moving - 1e-12))
         self.counts = counts
 
     def _keep(self, kept: Index) -> None:
-        """Take some of all bumps, ascending, in runs of neighbours."""
+        """Take some of all test functions, ascending, in runs of neighbours."""
         from fricmodels.weakform.cells import runs_of
 
         begins, lengths = np.empty_like(kept), np.empty_like(kept)
-        runs = runs_of(kept, self._first, self._bumps, self.hop, begins, lengths)
+        runs = runs_of(kept, self._first, self._per_stretch, self.hop, begins, lengths)
         self._kept, self.count = kept, len(kept)
         self._runs = begins[:runs].copy(), lengths[:runs].copy()
 
@@ -127,7 +127,7 @@ class TestFunctions:
         return self._asked == width and np.array_equal(self._resting, resting)
 
     def in_common(self, other: TestFunctions) -> Index:
-        """Return which of the bumps another set along the same recording has, too; none where carriers go with them."""
+        """Return which of them another set along the same recording has, too; none where carriers go with them."""
         if (
             self.each > 1
             or other.each > 1
@@ -135,12 +135,12 @@ class TestFunctions:
             or not np.array_equal(self._first, other._first)
         ):
             return np.zeros(0, dtype=np.int64)
-        there = np.zeros(int(self._bumps.sum()), dtype=bool)
+        there = np.zeros(int(self._per_stretch.sum()), dtype=bool)
         there[other._kept] = True
         return np.flatnonzero(there[self._kept])
 
     each = 1
-    """Rows of each bump."""
+    """Rows of each test function."""
 
     @property
     def left_out(self) -> Mask:
@@ -148,7 +148,7 @@ class TestFunctions:
         return self._resting
 
     def covered(self, count: int) -> Mask:
-        """Mark the samples that lie within a bump, shape (N,)."""
+        """Mark the samples that lie within a test function, shape (N,)."""
         marks = np.zeros(count + 1)
         np.add.at(marks, self.begins, 1.0)
         np.add.at(marks, self.begins + self.width, -1.0)
@@ -156,8 +156,8 @@ class TestFunctions:
 
     @property
     def begins(self) -> Index:
-        """The sample at which each bump begins, shape (number of bumps,)."""
-        starts = [a + self.hop * np.arange(n) for a, n in zip(self._first, self._bumps, strict=True)]
+        """The sample at which each test function begins, shape (number of test functions,)."""
+        starts = [a + self.hop * np.arange(n) for a, n in zip(self._first, self._per_stretch, strict=True)]
         return np.concatenate([np.zeros(0, dtype=np.int64), *starts])[self._kept]
 
     @property
@@ -166,7 +166,7 @@ class TestFunctions:
         return self._mean
 
     def integrals(self, integrand: Array) -> Array:
-        """Return ∫φ f dt for rows f, shape (k, number of bumps)."""
+        """Return ∫φ f dt for rows f, shape (k, number of test functions)."""
         return self._apply(integrand, self._mean)
 
     def torques(self, quadrature: Quadrature, rows: Array) -> Array:
@@ -198,27 +198,27 @@ class TestFunctions:
         return self._counted(self._apply(impulses, self._cell))
 
     def momentum(self, velocity: Array) -> Array:
-        """Return ∫φ dω = −∫φ' ω dt, shape (number of bumps,)."""
+        """Return ∫φ dω = −∫φ' ω dt, shape (number of test functions,)."""
         return np.asarray(self._counted(self._apply(velocity[None], self._velocity_fall))[0])
 
     def change(self, values: Array) -> Array:
-        """Return ∫φ df = −∫φ' f dt of what was measured, shape (number of bumps,)."""
+        """Return ∫φ df = −∫φ' f dt of what was measured, shape (number of test functions,)."""
         return np.asarray(self._counted(self._apply(values[None], self._fall))[0])
 
     def of_steps(self, steps: Array) -> Array:
-        """Return Σ φ x over the samples, shape (k, number of bumps), of what is centred as changes of velocity are.
+        """Return Σ φ x over the samples, shape (k, test functions), of what is centred as velocity changes are.
 
         Args:
-            steps: shape (k, N); the first of a bump belongs to the change from its first sample to its second.
+            steps: shape (k, N); the first of a test function belongs to the change from its first sample to its second.
         """
         return self._counted(self._apply(steps, self.changes))
 
     def _counted(self, rows: Array) -> Array:
-        """Return rows, shape (k, number of bumps), each as far as it counts."""
+        """Return rows, shape (k, number of test functions), each as far as it counts."""
         return rows if self.counts is None else rows * self.counts[self.begins]
 
     def _parts(self, kernel: Array) -> Array:
-        """Return the weights of a bump, a row each part."""
+        """Return the weights of a test function, a row each part."""
         return kernel.reshape(HOPS, self.hop)
 
     def _apply(self, rows: Array, kernel: Array) -> Array:
@@ -243,5 +243,5 @@ def rows_of(
         counts: see :class:`TestFunctions`.
     """
     over_cells = recording.derived_over > 0
-    bumps = TestFunctions(recording, width, unclear, least_moving=1.0, over_cells=over_cells, counts=counts)
-    return Quadrature.of(recording, smooth, unclear), bumps
+    test_functions = TestFunctions(recording, width, unclear, least_moving=1.0, over_cells=over_cells, counts=counts)
+    return Quadrature.of(recording, smooth, unclear), test_functions

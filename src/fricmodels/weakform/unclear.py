@@ -29,7 +29,7 @@ def direction_unclear(recording: Recording, smooth: Array, slow: Mask, limits: t
 
 @once
 def creeping(recording: Recording, width: int) -> Mask:
-    """Mark where the drive creeps so slowly that noise hides which way, for longer than an eighth of a bump.
+    """Mark where the drive creeps so slowly that noise hides which way, for longer than an eighth of a test function.
 
     There the friction torque is not known, nor whether the drive moves at all. A reversal passes through faster.
     """

@@ -74,7 +74,7 @@ class _Tried:
 
 @dataclass(frozen=True)
 class Equations:
-    """Linear functionals of the equation of motion (bumps, or filtered samples), one an equation.
+    """Linear functionals of the equation of motion (test functions, or filtered samples), one an equation.
 
     Attributes:
         separable: the split model.

@@ -50,7 +50,7 @@ def _scatter(problem: WeakFormProblem, parameters: Mapping[str, float]) -> Array
 
     def friction(recording: Recording) -> Array:
         design, offset = drive.regressors(recording, nonlinear)
-        return np.asarray(problem.bumps.torques(problem.quadrature, (theta @ design + offset)[None])[0])
+        return np.asarray(problem.test_functions.torques(problem.quadrature, (theta @ design + offset)[None])[0])
 
     here, before = points["position"], friction(points)
     found = []

@@ -16,7 +16,7 @@ from fricmodels.weakform.test_functions import TestFunctions
 
 
 def counts_as_left(
-    recording: Recording, bumps: TestFunctions, inertia: float, target: Array, design: Array
+    recording: Recording, test_functions: TestFunctions, inertia: float, target: Array, design: Array
 ) -> Array | None:
     r"""Return by how much rows count, by their noise and by what least squares leave of them beside it, shape (N,).
 
@@ -25,13 +25,13 @@ def counts_as_left(
 
     Args:
         recording: whose rows they are.
-        bumps: of which rows count by the noise of their files.
+        test_functions: of which rows count by the noise of their files.
         inertia: of the drive.
         target: of the rows, shape (rows,).
         design: what may explain it, shape (k, rows).
     """
-    of, at, counts = alike_samples(recording), bumps.begins, bumps.counts
-    sizes = None if of is None else row_sizes(recording, inertia, bumps.width)
+    of, at, counts = alike_samples(recording), test_functions.begins, test_functions.counts
+    sizes = None if of is None else row_sizes(recording, inertia, test_functions.width)
     if counts is None or of is None or sizes is None or not len(at):
         return None
     relative = relative_intervals(recording)
