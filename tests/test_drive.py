@@ -142,7 +142,7 @@ def test_the_same_drive_in_other_units_feels_the_same_friction(sizes: tuple[floa
 def rate(drive: Drive, state: Mapping[str, float], chosen: Mapping[str, float], given: Mapping[str, float]) -> Any:
     space = drive.state_space()
     function = casadi.Function("rate", [space.x, space.u, space.width], [space.rate])
-    x = [*(state[name] for name in space.states), *(chosen[key] for key in space.parameters)]
+    x = [*(state[name] for name in space.states), *(chosen[key] for key in drive.keys)]
     return np.array(function(x, [given[name] for name in space.inputs], 1e-9)).ravel()
 
 

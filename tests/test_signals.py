@@ -29,6 +29,7 @@ from fricmodels.signals import (
     standstill,
     stretches,
 )
+from fricmodels.signals.lanczos import DEGREE
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 
@@ -56,30 +57,29 @@ def test_the_formula_of_lanczos():
     np.testing.assert_allclose(slope[h:-h], expected, rtol=1e-9, atol=1e-9)
 
 
-@pytest.mark.parametrize("degree", [1, 2, 3])
+@pytest.mark.parametrize("degree", [1, 2])
 @pytest.mark.parametrize("time", [np.linspace(0, 10, 501), uneven(501)], ids=["even", "uneven"])
 def test_polynomials_are_exact_up_to_the_degree(time, degree):
     coefficients = np.arange(1.0, degree + 2)
     value, slope = np.polyval(coefficients, time), np.polyval(np.polyder(coefficients), time)
-    smooth, derivative = lanczos_derivative(time, value, 6, degree=degree)
+    smooth, derivative = lanczos_derivative(time, value, 6)
     np.testing.assert_allclose(smooth, value, rtol=1e-8)
     np.testing.assert_allclose(derivative, slope, rtol=1e-6)
 
 
 @pytest.mark.parametrize("time", [np.linspace(0, 10, 2001), uneven(2001)], ids=["even", "uneven"])
 def test_a_sine(time):
-    _, slope = lanczos_derivative(time, np.sin(2 * time), 3, degree=3)
+    _, slope = lanczos_derivative(time, np.sin(2 * time), 3)
     np.testing.assert_allclose(slope, 2 * np.cos(2 * time), atol=2e-3)
 
 
-@pytest.mark.parametrize("degree", [2, 3])
 @pytest.mark.parametrize("half_width", [3, 20, 60])
-def test_on_an_even_grid_it_is_the_filter_of_savitzky_and_golay(half_width, degree):
+def test_on_an_even_grid_it_is_the_filter_of_savitzky_and_golay(half_width):
     step = 1e-3
     values = 1e3 + np.cumsum(np.random.default_rng(0).standard_normal(1000))
-    smooth, slope = lanczos_derivative(step * np.arange(1000), values, half_width, degree=degree)
-    np.testing.assert_allclose(smooth, savgol_filter(values, 2 * half_width + 1, degree), atol=1e-8)
-    expected = savgol_filter(values, 2 * half_width + 1, degree, deriv=1, delta=step)
+    smooth, slope = lanczos_derivative(step * np.arange(1000), values, half_width)
+    np.testing.assert_allclose(smooth, savgol_filter(values, 2 * half_width + 1, DEGREE), atol=1e-8)
+    expected = savgol_filter(values, 2 * half_width + 1, DEGREE, deriv=1, delta=step)
     np.testing.assert_allclose(slope, expected, atol=1e-9 * np.max(np.abs(expected)))
 
 
@@ -280,13 +280,12 @@ def test_preparation_refuses():
 def test_resampling_gives_even_runs():
     time = np.concatenate([uneven(400, 1), uneven(300, 2)])
     run = np.repeat([3, 5], [400, 300])
-    even = resample(recording(time, run, velocity=2.0 * time), 0.01)
+    before = recording(time, run, velocity=2.0 * time)
+    even = resample(before)
     np.testing.assert_allclose(even.velocity, 2.0 * even.time)
     for part in even.runs():
-        np.testing.assert_allclose(np.diff(part.time), 0.01, rtol=1e-6)
+        np.testing.assert_allclose(np.diff(part.time), before.interval, rtol=1e-6)
     assert set(even.run.tolist()) == {3, 5}
-    with pytest.raises(InputError, match="positive"):
-        resample(even, 0.0)
 
 
 # Rest

@@ -379,7 +379,7 @@ class Drive:
         x = casadi.vertcat(e.signals["velocity"], e.states, parameters)
         rate = casadi.vertcat(rate_of_velocity, rates, casadi.SX.zeros(parameters.numel(), 1))
         u = casadi.vertcat(*(e.signals[name] for name in inputs))
-        return StateSpace(x, u, e.width, rate, e.signals["velocity"], inputs, names, self.keys)
+        return StateSpace(x, u, e.width, rate, e.signals["velocity"], inputs, names)
 
 
 def _at_each(values: Array, recording: Recording) -> Array:

@@ -21,4 +21,3 @@ class StateSpace:
     output: Any
     inputs: tuple[str, ...]
     states: tuple[str, ...]
-    parameters: tuple[str, ...]

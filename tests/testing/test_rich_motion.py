@@ -24,8 +24,6 @@ def test_the_motion_has_what_a_candidate_asks_for(name: str, units: dict[str, st
     recording = rich_case(subject(EFFECTS[name])).recording
     assert dict(recording.units) == units
     assert (len(set(recording.run)) > 1) is (name == "run-offset")
-    again = rich_case(subject(EFFECTS[name]), seed=1).recording
-    assert all(not np.array_equal(recording[channel], again[channel]) for channel in units), "drawn by seed"
 
 
 @pytest.mark.parametrize(

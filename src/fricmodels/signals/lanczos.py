@@ -30,9 +30,7 @@ _AT_ONCE = 1 << 18
 """Samples that are convolved at a time, so that memory stays bounded."""
 
 
-def lanczos_derivative(
-    time: Array, values: Array, half_width: int, runs: Runs | None = None, *, degree: int = DEGREE
-) -> tuple[Array, Array]:
+def lanczos_derivative(time: Array, values: Array, half_width: int, runs: Runs | None = None) -> tuple[Array, Array]:
     """Return the smoothed signal and its derivative by time.
 
     Args:
@@ -40,12 +38,11 @@ def lanczos_derivative(
         values: the signal, shape (N,).
         half_width: h; :func:`fricmodels.signals.best_half_width` finds it from the noise.
         runs: run of each sample; windows never reach over runs or gaps.
-        degree: of the local polynomial.
     """
     values = np.asarray(values, dtype=float)
     smooth, slope = np.empty_like(values), np.empty_like(values)
     for part in stretches(time, runs):
-        smooth[part], slope[part] = fit_stretch(time[part], values[part], half_width, degree)
+        smooth[part], slope[part] = fit_stretch(time[part], values[part], half_width)
     return smooth, slope
 
 
@@ -59,19 +56,19 @@ def lanczos_value(time: Array, values: Array, half_width: int, runs: Runs | None
     values = np.asarray(values, dtype=float)
     found = np.empty_like(values)
     for part in stretches(time, runs):
-        found[part] = _fitted(time[part], values[part], half_width, DEGREE, (order,))[0]
+        found[part] = _fitted(time[part], values[part], half_width, (order,))[0]
     return found
 
 
-def fit_stretch(time: Array, values: Array, half_width: int, degree: int) -> tuple[Array, Array]:
+def fit_stretch(time: Array, values: Array, half_width: int) -> tuple[Array, Array]:
     """Return value and slope of the local polynomials in one uninterrupted stretch."""
-    smooth, slope = _fitted(time, values, half_width, degree, (0, 1))
+    smooth, slope = _fitted(time, values, half_width, (0, 1))
     return smooth, slope
 
 
-def _fitted(time: Array, values: Array, half_width: int, degree: int, orders: tuple[int, ...]) -> list[Array]:
+def _fitted(time: Array, values: Array, half_width: int, orders: tuple[int, ...]) -> list[Array]:
     size = min(2 * half_width + 1, len(time))
-    degree = min(degree, size - 1)
+    degree = min(DEGREE, size - 1)
     if degree == 0:
         return [np.zeros_like(values) if order else values.copy() for order in orders]
     if not (is_even(time) and len(time) > 2 * size):

@@ -230,7 +230,7 @@ def best_smoothing(time: Array, values: Array, noise: Noise, runs: Runs | None) 
     limit = min(_WIDEST, max((part.stop - part.start for part in parts), default=0) // 8)
     best, least, half_width = 1, np.inf, 1
     while half_width <= limit:
-        left = [values[p] - fit_stretch(time[p], values[p], half_width, DEGREE)[0] for p in parts]
+        left = [values[p] - fit_stretch(time[p], values[p], half_width)[0] for p in parts]
         square = sum(float(each @ each) for each in left) / sum(len(each) for each in left)
         risk = square + 2.0 * noise.product(even_weights(half_width)[0], np.ones(1))
         if risk < least:
@@ -293,7 +293,7 @@ class _Slopes:
 
     def __call__(self, i: int, half_width: int) -> Array:
         if (i, half_width) not in self._known:
-            self._known[i, half_width] = fit_stretch(*self._parts[i], half_width, DEGREE)[1]
+            self._known[i, half_width] = fit_stretch(*self._parts[i], half_width)[1]
         return self._known[i, half_width]
 
 

@@ -11,20 +11,16 @@ from fricmodels.recording import Recording
 from fricmodels.signals.segments import stretches
 
 
-def resample(recording: Recording, interval: float | None = None) -> Recording:
-    """Return the recording on an even grid in each stretch between gaps, by linear interpolation.
+def resample(recording: Recording) -> Recording:
+    """Return the recording on a grid of its median interval in each stretch between gaps, by linear interpolation.
 
     Args:
         recording: with samples at any times.
-        interval: of the new grid [s]; the median interval if not given. It should not be longer than that:
-            nothing is filtered.
 
     Raises:
-        InputError: for an interval that is not positive, or longer than the recording's stretches.
+        InputError: where no stretch is as long as that.
     """
-    step = recording.interval if interval is None else interval
-    if not (np.isfinite(step) and step > 0):
-        raise InputError(f"the sampling interval must be positive, got {step}")
+    step = recording.interval
     channels: dict[str, list[np.ndarray]] = {name: [] for name in recording.channels}
     runs = []
     for part in stretches(recording.time, recording.run):

@@ -12,7 +12,7 @@ import numpy as np
 from fricmodels.arrays import Array, Index, Mask, widened
 from fricmodels.recording import Recording
 from fricmodels.signals.creeping import creeping_stretches, held_while_creeping
-from fricmodels.signals.lanczos import DEGREE, fit_stretch
+from fricmodels.signals.lanczos import fit_stretch
 from fricmodels.sums.plan import Plan
 from fricmodels.weakform.kinks import with_kinks
 from fricmodels.weakform.quadrature import Quadrature
@@ -133,8 +133,8 @@ def _moving(plan: Plan, channels: Mapping[str, Array]) -> tuple[Recording, Array
     """Return samples as a recording with a velocity, and the smoothed velocity."""
     time, found = channels["time"], dict(channels)
     if plan.derived_over:
-        found["velocity"] = fit_stretch(time, channels["position"], plan.derived_over, DEGREE)[1]
-    smooth, _ = fit_stretch(time, found["velocity"], plan.half_width, DEGREE)
+        found["velocity"] = fit_stretch(time, channels["position"], plan.derived_over)[1]
+    smooth, _ = fit_stretch(time, found["velocity"], plan.half_width)
     smooth[np.abs(smooth) <= plan.standstill] = 0.0
     run = np.zeros(len(time), dtype=np.int64)
     recording = Recording("samples", plan.motion, found, run, derived_over=plan.derived_over)

@@ -150,21 +150,21 @@ def _nonlinear_value(p: Parameter, reference: Recording) -> float:
 def _reference(cls: type[Term]) -> Recording:
     """Return the rich motion under Coulomb and viscous friction alone, with every channel."""
     drive = Drive(Model(plugins.load().laws["coulomb-viscous"]()), INERTIA)
-    simulated = rich_motion(drive, _BASE, cls(), frozenset(SIGNALS), 0, "rich motion without the term")
+    simulated = rich_motion(drive, _BASE, cls(), frozenset(SIGNALS), "rich motion without the term")
     return prepare(simulated, Preparation())
 
 
-def rich_case(subject: Subject, truth: Mapping[str, float] | None = None, seed: int = 0) -> Case:
+def rich_case(subject: Subject, truth: Mapping[str, float] | None = None) -> Case:
     """Simulate the rich motion of a drive with a term.
 
     Raises:
         Fault: where a true value is missing or unknown, or the drive cannot be simulated with the term.
     """
-    return _rich_case(type(subject.term), tuple(sorted((truth or suggested_truth(subject)).items())), seed)
+    return _rich_case(type(subject.term), tuple(sorted((truth or suggested_truth(subject)).items())))
 
 
 @lru_cache(maxsize=16)
-def _rich_case(cls: type[Term], truth: tuple[tuple[str, float], ...], seed: int) -> Case:
+def _rich_case(cls: type[Term], truth: tuple[tuple[str, float], ...]) -> Case:
     model, values, prefix = model_of(cls)
     values |= {prefix + symbol: value for symbol, value in truth}
     keys = [p.key for p in model.parameters]
@@ -173,7 +173,7 @@ def _rich_case(cls: type[Term], truth: tuple[tuple[str, float], ...], seed: int)
         raise Fault(f"truth does not match the parameters: '{differs[0]}' is missing or unknown")
     drive = Drive(model, INERTIA)
     try:
-        recording = rich_motion(drive, values, cls(), model.needs, seed, f"rich motion with {cls.name}")
+        recording = rich_motion(drive, values, cls(), model.needs, f"rich motion with {cls.name}")
     except FricmodelsError as error:
         raise Fault(f"the drive cannot be simulated with it: {error}") from None
     if not np.all(np.isfinite(recording.velocity)):

@@ -21,25 +21,22 @@ _TONES = (0.2, 3.0)
 """Least and most frequency [Hz] of a further channel."""
 
 
-def rich_motion(
-    drive: Drive, values: Mapping[str, float], term: Term, needs: frozenset[str], seed: int, name: str
-) -> Recording:
+def rich_motion(drive: Drive, values: Mapping[str, float], term: Term, needs: frozenset[str], name: str) -> Recording:
     """Simulate a drive under a motor torque of several frequencies and amplitudes.
 
-    Further channels are sums of tones, drawn by the seed. Where the number of the run is asked for there are several
+    Further channels are sums of tones, always the same ones. Where the number of the run is asked for there are several
     runs.
 
     Args:
         drive: the drive; values: its parameters by key.
         term: the term that is tried, whose further channels the recording has.
         needs: signals beside motion and torque that the recording must have.
-        seed: of the phases, and of the further channels.
         name: of the recording.
 
     Raises:
         FricmodelsError: where the drive cannot be simulated.
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     time = np.asarray(1e-3 * np.arange(8000), dtype=float)
     tones = np.array([(0.35, 0.3), (0.8, 0.35), (1.7, 0.3), (3.9, 0.25), (9.1, 0.15)])
     torque = tones[:, 1] @ _sines(time, tones[:, 0], rng)

@@ -176,14 +176,13 @@ class Experiment:
         resting = math.ceil(self.reference.moving * self.settings.rate)
         least = 1e-6 * float(np.ptp(position))
         found = figures(position, driven.position, driven.torque, resting, self.encoder_step, least)
-        return Run(self.time, position, driven, found)
+        return Run(position, driven, found)
 
 
 @dataclass(frozen=True)
 class Run:
-    """One run: sample times, wanted position, what the drive did, and what it was worth."""
+    """One run: wanted position, what the drive did, and what it was worth."""
 
-    time: Array
     wanted: Array
     driven: Driven
     figures: Figures
