@@ -12,6 +12,7 @@ from fricmodels.arrays import Array, Mask, rms
 from fricmodels.dimension import Dimension, Scales
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
+from fricmodels.model import ModelParameter
 from fricmodels.recording import Recording
 from fricmodels.simulation import Between
 
@@ -152,14 +153,12 @@ def scanned_guess(drive: Drive, recording: Recording) -> dict[str, float]:
     torque = part.driving_torque - inertia * part["acceleration"]
     declared_linear = drive.model.linear_parameters
     names = [p.key for p in declared_linear]
-    lower = np.array([p.declared.lower for p in declared_linear])
-    upper = np.array([p.declared.upper for p in declared_linear])
     above = [(i, names.index(p.at_least)) for i, p in enumerate(declared_linear) if p.at_least in names]
     best: tuple[float, tuple[float, ...], Array] | None = None
     for nonlinear in itertools.islice(itertools.product(*choices), _MOST_COMBINATIONS):
         design, offset = drive.regressors(part, nonlinear)
         design, right = design[:, moving], (torque - offset)[moving]
-        linear = bounded_least_squares(design, right, lower, upper, above)
+        linear = bounded_least_squares(design, right, declared_linear, above)
         residual = rms(right - linear @ design)
         if best is None or residual < best[0]:
             best = (residual, nonlinear, linear)
@@ -173,14 +172,15 @@ def scanned_guess(drive: Drive, recording: Recording) -> dict[str, float]:
 
 
 def bounded_least_squares(
-    design: Array, right: Array, lower: Array, upper: Array, above: Sequence[tuple[int, int]]
+    design: Array, right: Array, parameters: Sequence[ModelParameter], above: Sequence[tuple[int, int]] = ()
 ) -> Array:
-    """Return θ that minimises ‖right − θ·design‖ within bounds, with θ_i ≥ θ_j for each pair (i, j) in ``above``.
+    """Return θ that minimises ‖right − θ·design‖ within its bounds, with θ_i ≥ θ_j for each pair (i, j) in ``above``.
 
     θ_i is written as θ_j + d with d ≥ 0, whose column is that of θ_i, while the column of θ_j becomes the sum.
     """
     from scipy.optimize import lsq_linear
 
+    lower, upper = np.array([p.declared.lower for p in parameters]), np.array([p.declared.upper for p in parameters])
     columns, low, high = design.copy(), lower.copy(), upper.copy()
     for i, j in above:
         columns[j] = columns[j] + design[i]

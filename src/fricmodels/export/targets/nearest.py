@@ -247,19 +247,16 @@ def _fitted(
     """
     from fricmodels.filtering.preparation import bounded_least_squares
 
-    linear = drive.model.linear
-    held = {p.key: model.parameters[p.key] for p, ok in zip(drive.model.parameters, linear, strict=True) if not ok}
+    held = {p.key: model.parameters[p.key] for p in drive.model.nonlinear_parameters}
     design, offset = drive.regressors(motion, list(held.values()))
-    declared = [p for p, ok in zip(drive.model.parameters, linear, strict=True) if ok]
-    lower = np.array([p.declared.lower for p in declared])
-    upper = np.array([p.declared.upper for p in declared])
+    chosen = drive.model.linear_parameters
     shown = Model(model.model.law, [effect for effect in model.model.effects if effect not in aside])
     right = friction_over(Drive(shown, model.inertia, model.motion), model.parameters, motion) - offset
     moving = np.abs(motion.velocity) > 1e-3 * motion.peak_speed
-    found = bounded_least_squares(design[:, moving], right[moving], lower, upper, [])
+    found = bounded_least_squares(design[:, moving], right[moving], chosen)
     parts = np.sqrt(np.mean((found[:, None] * design) ** 2, axis=1))
     found[parts < _ROUNDING * rms(right)] = 0.0
-    values = {**held, **dict(zip((p.key for p in declared), found.tolist(), strict=True))}
+    values = {**held, **dict(zip((p.key for p in chosen), found.tolist(), strict=True))}
     values[drive.inertia_key] = model.inertia
     inside = {p.key for p in shown.parameters}
     vague = {k: why for k, why in undetermined(model).items() if not combined_within(why, inside)}
