@@ -34,9 +34,4 @@ def command(given: Measurement) -> None:
 
         known = given.of_controller
         judged = by_motion(shown, [comparison], given.horizon, given.loop, given.out, known=known)
-    if given.report is not None:
-        from fricmodels.report import story
-        from fricmodels.report import write as write_report
-
-        page = write_report(story.of_comparison(comparison, given.options, judged), given.report)
-        shown.print(f"wrote {page}", markup=False, soft_wrap=True)
+    given.write_report(shown, lambda story: story.of_comparison(comparison, given.options, judged))

@@ -28,9 +28,4 @@ def command(given: Measurement) -> None:
     show_answer_of_diagnosis(shown, diagnosis, given.options)
     if given.out is not None:
         shown.print(f"wrote {write(document(diagnosis), given.out)}", markup=False, soft_wrap=True)
-    if given.report is not None:
-        from fricmodels.report import story
-        from fricmodels.report import write as write_report
-
-        page = write_report(story.of_diagnosis(diagnosis, given.options), given.report)
-        shown.print(f"wrote {page}", markup=False, soft_wrap=True)
+    given.write_report(shown, lambda story: story.of_diagnosis(diagnosis, given.options))

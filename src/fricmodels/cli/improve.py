@@ -63,11 +63,6 @@ def command(given: Measurement) -> None:
             shown.print(f"wrote {write(document(ladder.first, ladder), given.out)}", markup=False, soft_wrap=True)
             saved = keep(best).save(given.out / "model.json")
             shown.print(f"wrote {saved}", markup=False, soft_wrap=True)
-    if given.report is not None:
-        from fricmodels.report import story
-        from fricmodels.report import write as write_report
-
-        page = write_report(story.of_ladder(ladder, given.options, judged), given.report)
-        shown.print(f"wrote {page}", markup=False, soft_wrap=True)
+    given.write_report(shown, lambda story: story.of_ladder(ladder, given.options, judged))
     if ladder.partial:
         raise Stopped

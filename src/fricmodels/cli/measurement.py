@@ -6,7 +6,7 @@ import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -16,10 +16,13 @@ from fricmodels.cli.quantities import inertia as inertia_of
 from fricmodels.gaps import Gaps
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from fricmodels.dimension import Motion
     from fricmodels.loop import Loop
     from fricmodels.model import Model
     from fricmodels.recording import Recording
+    from fricmodels.report.page import Page
     from fricmodels.saved import FittedModel
 
 Data = Annotated[
@@ -257,6 +260,13 @@ class Measurement:
     horizon: int | None
     loop: Loop | None
     of_controller: dict[str, float]
+
+    def write_report(self, shown: Console, page: Callable[[Any], Page]) -> None:
+        """Write the report, where one is wanted: the page that is made with :mod:`fricmodels.report.story`."""
+        if self.report is not None:
+            from fricmodels.report import story, write
+
+            shown.print(f"wrote {write(page(story), self.report)}", markup=False, soft_wrap=True)
 
 
 def options_again(left_out: Sequence[str], trust: bool, gaps: Gaps | None) -> list[str]:

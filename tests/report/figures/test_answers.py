@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -100,14 +102,12 @@ def test_runs_that_overlap_in_time_stand_one_after_another(compared):
 
 
 def test_samples_are_evaluated_once_and_freed_with_the_comparison(compared):
-    from fricmodels.report.figures import samples as module
-
     comparison = compared(moved())
     assert Samples.of(comparison) is Samples.of(comparison)
-    assert id(comparison) in module._known
-    key = id(comparison)
+    samples = weakref.ref(Samples.of(comparison))
     del comparison
-    assert key not in module._known
+    gc.collect()
+    assert samples() is None
 
 
 # ---- friction ------------------------------------------------------------------------------------------------------

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from fricmodels.arrays import Array, Mask
 from fricmodels.dimension import FORCE, Motion
+from fricmodels.once import once
 from fricmodels.processes import give_back
 from fricmodels.recording import RUN, Recording
 from fricmodels.report.figures.style import label, unit_of, words
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 
 _Pieces: TypeAlias = tuple[tuple[bool, slice], ...]
 
-_known: dict[int, tuple[weakref.ref[Comparison], Samples]] = {}
 _joined_before: weakref.WeakValueDictionary[tuple[int, int], _Joined] = weakref.WeakValueDictionary()
 
 
@@ -106,17 +106,12 @@ class Samples:
         give_back(len(self.recording))
         return self.joined.in_order(*found)
 
-    @classmethod
-    def of(cls, comparison: Comparison) -> Samples:
+    @staticmethod
+    @once
+    def of(comparison: Comparison) -> Samples:
         """Return the samples of a comparison, the same for all its figures; what these need is evaluated once."""
-        known = _known.get(id(comparison))
-        if known is not None and known[0]() is comparison:
-            return known[1]
-        key = id(comparison)
-        samples = Samples(replace(comparison), _Joined.of(comparison.train, comparison.test))
         # The samples hold what they need of the comparison, not the comparison itself, or it would never be freed.
-        _known[key] = (weakref.ref(comparison, lambda _: _known.pop(key, None)), samples)
-        return samples
+        return Samples(replace(comparison), _Joined.of(comparison.train, comparison.test))
 
     @property
     def recording(self) -> Recording:
