@@ -29,11 +29,18 @@ class WaveNumbers:
         strongest: wave numbers [1/rad or 1/m] of the highest peaks, the highest first; empty where none can be told.
         resolution: π over the range of position; closer ones are not told apart.
         independent: how many independent ones were looked at.
+        height: of the highest peak.
     """
 
     strongest: tuple[float, ...]
     resolution: float
     independent: float
+    height: float = 0.0
+
+    def and_faster(self, other: WaveNumbers) -> WaveNumbers:
+        """Return these and faster ones that were looked at besides."""
+        strongest, independent = (*other.strongest, *self.strongest), self.independent + other.independent
+        return WaveNumbers(strongest, self.resolution, independent, max(self.height, other.height))
 
 
 def wave_numbers(position: Array, weights: Array, fastest: float, least: float = 0.0) -> WaveNumbers:
@@ -60,7 +67,8 @@ def wave_numbers(position: Array, weights: Array, fastest: float, least: float =
     peaks = np.unique(np.concatenate([peaks, edges]))
     strongest = peaks[np.argsort(power[peaks])[::-1][:PEAKS]]
     independent = max(1.0, float((min(fastest, k[-1]) - slowest) * span / np.pi))
-    return WaveNumbers(tuple(float(k[i]) for i in strongest), float(np.pi / span), independent)
+    height = float(np.max(power[strongest], initial=0.0))
+    return WaveNumbers(tuple(float(k[i]) for i in strongest), float(np.pi / span), independent, height)
 
 
 def binned(fastest: float, span: float) -> int:

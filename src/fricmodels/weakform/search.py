@@ -282,14 +282,26 @@ def _wave_numbers(problem: WeakFormProblem, regression: Regression, alone: Drive
 
 
 def periods(problem: WeakFormProblem, regression: Regression, factor: Array, least: float) -> WaveNumbers:
-    """Return the wave numbers at which the residual times ``factor``, shape (N,), is most periodic in position."""
+    """Return the wave numbers at which the residual times ``factor``, shape (N,), is most periodic in position.
+
+    A wave that is faster than the rows show well has skirts in what they show, and these fit worse than the wave. So an
+    octave more is looked at, as long as something is higher there, and samples pass less than half a wave.
+    """
     recording, fastest = problem.recording, fastest_in_rows(problem)
     if fastest is None:
         return WaveNumbers((), 1.0, 1.0)
     moving = ~problem.resting & (problem.smooth != 0)
     sampled = np.interp(np.arange(len(recording)), problem.centre, regression.residual)
     weights = np.where(moving, sampled * factor, 0.0)
-    return wave_numbers(recording["position"], weights, fastest, least)
+    found = wave_numbers(recording["position"], weights, fastest, least)
+    end = 0.5 * problem.bumps.width * fastest
+    while fastest < end:
+        slower, fastest = fastest, min(2.0 * fastest, end)
+        faster = wave_numbers(recording["position"], weights, fastest, max(slower, least))
+        if faster.height <= found.height:
+            break
+        found = found.and_faster(faster)
+    return found
 
 
 def fastest_in_rows(problem: WeakFormProblem) -> float | None:
