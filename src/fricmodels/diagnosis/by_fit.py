@@ -132,3 +132,9 @@ def as_a_whole(refits: Refits, together: list[LookAlikes]) -> list[LookAlikes]:
             break
         here, found = further, [*found, best]
     return found if len(found) > 1 and falls_from(refits.comparison, here.comparison, refits.policy) else []
+
+
+def that_stay(refits: Refits, effects: list[LookAlikes]) -> list[LookAlikes]:
+    """Return of effects that were named beside others what is missing without these: the test error falls with it."""
+    first = next((one for one in effects if refits.lowers_test_error(one.first)), None)
+    return as_a_whole(refits, effects) if first is None else all_together(refits, first, effects)

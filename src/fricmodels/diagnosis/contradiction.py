@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from fricmodels.diagnosis.basis_functions import STRETCH, STRETCH_ALONG
 from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.own_channel import may_be_of
 
 
-def contradiction(comparison: Comparison, candidate: CandidateTest, channel: str) -> str:
+def contradiction(comparison: Comparison, candidate: CandidateTest, channel: str, refuted: Collection[str] = ()) -> str:
     """Return in words what speaks against an effect; empty where nothing is known to.
 
     Args:
         comparison: the model without it.
         candidate: the effect, as it explains most.
         channel: what predicts the residual, in words; empty where nothing does.
+        refuted: names of effects that the rows show and all motion does not.
     """
+    if candidate.name in refuted:
+        return "reversals included, something else predicts clearly more"
     effect = candidate.effect
     delays = [p.symbol for p in effect.parameters if p.delay]
     if delays and _is_not_to_be_shifted(comparison):

@@ -15,6 +15,7 @@ from fricmodels.diagnosis.by_fit import (
     confirmed,
     most_of_the_error,
     that_can_be_fitted,
+    that_stay,
 )
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.coloured_residual import ColouredNoise, coloured_residual
@@ -23,6 +24,7 @@ from fricmodels.diagnosis.effect_set import as_predictor
 from fricmodels.diagnosis.floor import is_far_above_noise, is_noticed
 from fricmodels.diagnosis.in_words import as_told, from_when_to_when
 from fricmodels.diagnosis.look_alikes import separated_by
+from fricmodels.diagnosis.over_all_motion import that_all_motion_allows
 from fricmodels.diagnosis.places import Place, largest_place, torque_of
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.diagnosis.power import Visibility, visibility
@@ -83,6 +85,7 @@ class Diagnosis(Displayed):
         noise: what is left, where it is noise with a colour that lies in no channel.
         judgement: what speaks for each effect of the set that the residual suggests; ``None`` where none passes.
         ripple: waves over position that are too fast for the rows; ``None`` where there are none.
+        refuted: names of effects that the rows show, and than which something else predicts more over all motion.
     """
 
     comparison: Comparison
@@ -99,6 +102,7 @@ class Diagnosis(Displayed):
     judgement: Judgement | None = None
     noise: ColouredNoise | None = None
     ripple: FastRipple | None = None
+    refuted: frozenset[str] = frozenset()
 
     def judged_by(self, findings: Sequence[Finding]) -> Diagnosis:
         """Return it with the verdict that findings have, as those that a ladder kept: their look-alikes are fewer."""
@@ -111,7 +115,7 @@ class Diagnosis(Displayed):
             return None
         channel = "" if self.view is None else self.view.channels
         when = from_when_to_when(self.result, self.view) if self.place is None else ""
-        return remaining(self.comparison, channel, self.place, self.refits, self.result.tested, when)
+        return remaining(self.comparison, channel, self.place, self.refits, self.result.tested, when, self.refuted)
 
 
 def diagnose(
@@ -199,6 +203,14 @@ def _examined(refits: Refits, problem: WeakFormProblem, out: set[str], policy: P
     together = [] if judgement is None else _supported(refits, judgement)
     found = refit_check(refits, possible, out, together[0] if together else None)
     named = confirmed(refits, found, possible, out, together)
+    everything = as_a_whole(refits, together) if named is None else all_together(refits, named, together)
+    if judgement is not None and judgement.only_jointly and len(everything) < len(together):
+        # Each showed beside all the others only, and with one of them the error does not fall.
+        everything = all_of_the_error(refits, judgement)
+    allowed, refuted = that_all_motion_allows(possible, everything)
+    if refuted:
+        everything = that_stay(refits, allowed)
+        named = everything[0] if everything else None
     place = _noticed_place(result, comparison) if named is None else None
     noise = None if place is not None else _noise(comparison, result, named, predictors)
     view = next((p for p in predictors if p.channels not in AUTOREGRESSIVE), predictors[0] if predictors else None)
@@ -207,10 +219,6 @@ def _examined(refits: Refits, problem: WeakFormProblem, out: set[str], policy: P
     elif best is not None and found is None and not _within_sampling(result, best.first):
         own = as_predictor(result, best.first)
         view = own if view is None or own.evidence.left < view.evidence.left else view
-    everything = as_a_whole(refits, together) if named is None else all_together(refits, named, together)
-    if judgement is not None and judgement.only_jointly and len(everything) < len(together):
-        # Each showed beside all the others only, and with one of them the error does not fall.
-        everything = all_of_the_error(refits, judgement)
     if everything:
         ripple = _beside(refits, everything, out, policy)
     fast = _confirmed_ripple(_with_all(refits, everything), ripple)
@@ -224,7 +232,7 @@ def _examined(refits: Refits, problem: WeakFormProblem, out: set[str], policy: P
         place = (None if view is None else place_of_stretch(result, view)) or place
     passing = tuple(passing_all_gates(result)) if found is not None else ()
     seen = visibility(result, {name for one in everything[:1] for name in one.names})
-    refused = found.first if found is not None and not everything else None
+    refused = None if found is None or everything or refuted else found.first
     return Diagnosis(
         comparison,
         verdict,
@@ -240,6 +248,7 @@ def _examined(refits: Refits, problem: WeakFormProblem, out: set[str], policy: P
         noise=noise,
         judgement=judgement,
         ripple=fast or ripple,
+        refuted=refuted,
     )
 
 

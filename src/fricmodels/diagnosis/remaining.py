@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,6 +77,7 @@ def remaining(
     refits: Refits,
     tested: Sequence[CandidateTest],
     when: str = "",
+    refuted: Collection[str] = (),
 ) -> Remaining:
     """Return what a fitted model leaves.
 
@@ -87,6 +88,7 @@ def remaining(
         refits: fits of this model with one effect more.
         tested: the effects that were not named, the nearest first.
         when: between which instants it is there, in words, if that is told.
+        refuted: names of effects that the rows show and all motion does not.
     """
     errors = comparison.errors
     percent = float(np.sqrt(max(errors.held_out_percent**2 - comparison.noise_floor_percent**2, 0.0)))
@@ -100,7 +102,7 @@ def remaining(
     for candidate in chosen:
         other = refits.with_effect(candidate)
         if other is not None:
-            against = contradiction(comparison, candidate, channel)
+            against = contradiction(comparison, candidate, channel, refuted)
             near.append(Nearest(candidate.name, other.drive.model.name, other.errors.held_out_percent, against))
             parameters[candidate.name] = len(candidate.effect.parameters)
     least = (1 + refits.policy.least_gain) * min((one.held_out_percent for one in near), default=0.0)

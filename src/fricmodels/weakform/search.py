@@ -294,7 +294,7 @@ def periods(problem: WeakFormProblem, regression: Regression, factor: Array, lea
     sampled = np.interp(np.arange(len(recording)), problem.centre, regression.residual)
     weights = np.where(moving, sampled * factor, 0.0)
     found = wave_numbers(recording["position"], weights, fastest, least)
-    end = 0.5 * problem.bumps.width * fastest
+    end = 0.5 * problem.test_functions.width * fastest
     while fastest < end:
         slower, fastest = fastest, min(2.0 * fastest, end)
         faster = wave_numbers(recording["position"], weights, fastest, max(slower, least))
