@@ -44,7 +44,7 @@ def most_of_the_error(refits: Refits, judgement: Judgement) -> list[LookAlikes]:
     if found is None or fitted is None:
         return []
     before, after = (c.errors.held_out_percent**2 for c in (refits.comparison, fitted))
-    above = before - refits.comparison.errors.headline.noise_floor_percent**2
+    above = before - refits.comparison.noise_floor_percent**2
     return [found] if before - after >= refits.policy.own_share * above > 0.0 else []
 
 
@@ -70,9 +70,11 @@ def all_of_the_error(refits: Refits, judgement: Judgement) -> list[LookAlikes]:
 def _nothing_is_left(before: Comparison, after: Comparison, policy: Policy) -> bool:
     """Whether a fit takes away nearly all of the printed errors above noise, where they were fitted and where not."""
     one, two = before.errors.headline, after.errors.headline
-    noise = one.noise_floor_percent**2
-    pairs = ((one.percent, two.percent), (one.held_out_percent, two.held_out_percent))
-    return all(left**2 - noise <= policy.least_gain * (whole**2 - noise) for whole, left in pairs)
+    parts = (
+        (one.percent, two.percent, one.noise_floor_percent**2),
+        (one.held_out_percent, two.held_out_percent, one.noise_percent**2),
+    )
+    return all(left**2 - noise <= policy.least_gain * (whole**2 - noise) for whole, left, noise in parts)
 
 
 def confirmed(

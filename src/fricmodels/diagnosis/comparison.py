@@ -86,8 +86,8 @@ class Comparison(Displayed):
 
     @property
     def noise_floor_percent(self) -> float:
-        """RMS torque error of the headline that sensor noise alone would leave, in % of the RMS motor torque."""
-        return self.errors.headline.noise_floor_percent
+        """Test error of the headline that sensor noise alone would leave, in % of the RMS motor torque there."""
+        return self.errors.headline.noise_percent
 
     @property
     def noise_channel(self) -> str:

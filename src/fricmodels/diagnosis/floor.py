@@ -114,7 +114,7 @@ def is_seen_above_noise(comparison: Comparison, policy: Policy) -> bool:
     second.
     """
     line = comparison.errors.headline
-    return is_above_noise(comparison, policy) and _least_square(line) > line.noise_floor_percent**2
+    return is_above_noise(comparison, policy) and line.above_noise() > 0.0
 
 
 def is_noticed(comparison: Comparison, percent: float, policy: Policy = POLICY) -> bool:
@@ -134,9 +134,9 @@ def is_noticed(comparison: Comparison, percent: float, policy: Policy = POLICY) 
     """
     line, bands = comparison.errors.headline, comparison.errors.bands
     whole = 0.5 * (line.percent**2 + line.held_out_percent**2)
-    is_more = _least_square(line) > line.noise_floor_percent**2
-    is_clear = any(_least_square(b) - b.noise_floor_percent**2 > policy.noticed * _least_square(b) for b in bands)
-    return is_more and is_clear and percent >= min((policy.noticed * whole) ** 0.5, policy.noticed_torque)
+    least = min((policy.noticed * whole) ** 0.5, policy.noticed_torque)
+    is_clear = any(band.above_noise() > policy.noticed * _least_square(band) for band in bands)
+    return line.above_noise() > 0.0 and is_clear and percent >= least
 
 
 def _least_square(band: Band) -> float:

@@ -90,7 +90,7 @@ def _(comparison: Comparison) -> Tables:
             f"test error [{unit}]": band.held_out_SI,
             "fit error [%]": band.percent,
             "test error [%]": band.held_out_percent,
-            "noise alone [%]": band.noise_floor_percent,
+            "noise alone [%]": band.noise_percent,
         }
         for band in comparison.errors.bands
     }

@@ -41,7 +41,14 @@ class Band(Part):
     held_out_percent: Number
     """Test error [% of the RMS motor torque]."""
     noise_floor_percent: Number
-    """What sensor noise alone would leave [% of the RMS motor torque]."""
+    """What sensor noise alone would leave of what was fitted [% of the RMS motor torque]."""
+    held_out_noise_percent: Number = None
+    """What it would leave of the test error [% of the RMS motor torque]."""
+
+    @property
+    def noise_percent(self) -> float | None:
+        """What noise alone would leave of the test error; of what was fitted, where that is not known."""
+        return self.noise_floor_percent if self.held_out_noise_percent is None else self.held_out_noise_percent
 
 
 class TorqueError(Part):
@@ -174,7 +181,7 @@ class Step(Part):
     remarks: dict[str, str] = Field(default_factory=dict)
     """What tables of the parameters say beside a value, by key; empty in files of old versions."""
     noise_floor_percent: Number = None
-    """Error that sensor noise alone would leave [% of the RMS motor torque]: it grows with the inertia of the model."""
+    """Test error that sensor noise alone would leave [% of the RMS motor torque]: it grows with the inertia of the model."""
     noise_channel: str = ""
     """The channel whose noise makes most of that; empty in files of old versions."""
 
@@ -217,7 +224,7 @@ class ComparisonDocument(ResultDocument):
     rms_torque_error: TorqueError
     """How far off the model is."""
     noise_floor_percent: Number
-    """Error that sensor noise alone would leave [% of the RMS motor torque]."""
+    """Test error that sensor noise alone would leave [% of the RMS motor torque]."""
     noise_channel: str = ""
     """The channel whose noise makes most of that; empty in files of old versions."""
     where: tuple[RegimeShare, ...]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import isnan
 
 import numpy as np
 
@@ -33,7 +34,8 @@ class Band:
         window_ms: width of the window [ms]; of the error per sample, the sampling interval.
         SI, held_out_SI: on what was fitted and on what was kept back [N m or N]; not a number without it.
         percent, held_out_percent: of the RMS motor torque there.
-        noise_floor_percent: what sensor noise alone would leave on what was fitted.
+        noise_floor_percent, held_out_noise_percent: what sensor noise alone would leave, of the RMS motor torque of
+            what was fitted and of what was kept back. Where the one is livelier than the other these differ.
     """
 
     window_ms: float
@@ -42,6 +44,26 @@ class Band:
     held_out_SI: float
     held_out_percent: float
     noise_floor_percent: float
+    held_out_noise_percent: float = float("nan")
+
+    @property
+    def noise_percent(self) -> float:
+        """What noise alone would leave of the test error; of what was fitted, where nothing was kept back."""
+        return self.noise_floor_percent if isnan(self.held_out_noise_percent) else self.held_out_noise_percent
+
+    def above_noise(self) -> float:
+        """Return the mean square beyond noise where it was fitted and where it was not, or on test data if less [%²].
+
+        Each part has its own noise: a percent of a lively part is more than one of a quiet part.
+        """
+        fitted, kept = (
+            error**2 - noise**2
+            for error, noise in (
+                (self.percent, self.noise_floor_percent),
+                (self.held_out_percent, self.noise_percent),
+            )
+        )
+        return min(0.5 * (fitted + kept), kept)
 
 
 @dataclass(frozen=True)
@@ -69,7 +91,7 @@ class Errors:
     def in_words(self, unit: str) -> str:
         """Return the error of the headline and that per sample, each with what noise alone would leave."""
         line, sample = self.headline, self.per_sample
-        noise = about_noise(line.noise_floor_percent)
+        noise = about_noise(line.noise_percent)
         text = (
             f"RMS torque error {self.averaged}: {line.SI:.3g} {unit}, {line.percent:.3g} % of the RMS motor torque; "
             f"test error {line.held_out_percent:.3g} %; noise alone would leave {noise}."
@@ -78,7 +100,7 @@ class Errors:
             return text
         return (
             f"{text} Per sample ({sample.window_ms:.3g} ms): {sample.percent:.3g} %; test error "
-            f"{sample.held_out_percent:.3g} %; noise alone {noise_text(sample.noise_floor_percent)}."
+            f"{sample.held_out_percent:.3g} %; noise alone {noise_text(sample.noise_percent)}."
         )
 
     @property
@@ -166,7 +188,7 @@ def torque_errors(
     every, floors, headline = windows(train), noise_floors(train), headline_window(train, drive.inertia)
     kept = {} if test is None else over_windows(balances(drive, values, test), len(test), every)[0]
     fitted, error = over_windows(balances(drive, values, train), len(train), every, headline)
-    reference = train.rms_torque
+    reference, kept_back = train.rms_torque, 0.0 if test is None else test.rms_torque
     found = {}
     for window in every:
         own, other = fitted[window], kept.get(window, float("nan"))
@@ -177,8 +199,9 @@ def torque_errors(
             own,
             _percent(own, reference),
             other,
-            float("nan") if test is None else _percent(other, test.rms_torque),
+            _percent(other, kept_back),
             _percent(floor, reference),
+            _percent(floor, kept_back),
         )
     return Errors(found[headline], tuple(found.values())), error
 
