@@ -41,6 +41,19 @@ def test_nothing_slower_than_the_range_shows_is_returned() -> None:
     assert found.independent == pytest.approx((20.0 - 2 * np.pi * LEAST_PERIODS / np.ptp(position)) / found.resolution)
 
 
+def test_faster_ones_that_were_looked_at_besides_come_first() -> None:
+    """What is higher beyond the end of a range is no skirt of what lies within; both are kept."""
+    position = path()
+    weights = (0.3 * np.cos(7.3 * position) + np.sin(31.7 * position)) * np.abs(np.gradient(position))
+    slower, faster = wave_numbers(position, weights, 20.0), wave_numbers(position, weights, 40.0, 20.0)
+    assert faster.height > slower.height
+    both = slower.and_faster(faster)
+    assert both.strongest == (*faster.strongest, *slower.strongest)
+    assert abs(both.strongest[0] - 31.7) < 0.1
+    assert both.height == faster.height
+    assert both.independent == pytest.approx(wave_numbers(position, weights, 40.0).independent)
+
+
 def test_no_range_of_position_gives_no_wave_number() -> None:
     assert wave_numbers(np.zeros(100), np.ones(100), 10.0).strongest == ()
     assert wave_numbers(path(), np.ones(4000), 0.1).strongest == ()

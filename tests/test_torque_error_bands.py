@@ -327,3 +327,21 @@ def test_where_the_direction_is_not_known_neither_is_taken(creeping: float) -> N
     prepared = prepare(Recording("creeping", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64)))
     error = torque_error_over(DRIVE, {**TRUE, "K_c": 0.95 * COULOMB}, prepared, 0.02)
     assert rms(error[slow]) < 1.2 * rms(error[~slow])
+
+
+def test_noise_beside_a_test_error_is_in_percent_of_the_same_torque() -> None:
+    """A load makes what is fitted livelier: in N m noise alone is left, and in percent the test error was thrice that."""
+    rng = np.random.default_rng(5)
+    recording = sliding("velocity")
+    torque = recording.torque + 0.2 * rng.standard_normal(len(recording))
+    quiet = recording.with_channels(derived=False, torque=torque)
+    load = np.full(len(recording), 30.0)
+    lively = quiet.with_channels(derived=False, torque=torque + load, load_torque=load)
+    line = torque_errors(DRIVE, TRUE, prepare(lively), prepare(quiet))[0].per_sample
+    assert line.held_out_SI == pytest.approx(line.SI)
+    assert line.held_out_percent > 2.0 * line.percent
+    assert line.percent == pytest.approx(line.noise_floor_percent, rel=0.1)
+    assert line.held_out_percent == pytest.approx(line.noise_percent, rel=0.1)
+    assert abs(line.above_noise()) < 0.2 * line.percent**2
+    alone = torque_errors(DRIVE, TRUE, prepare(lively))[0].per_sample
+    assert alone.noise_percent == alone.noise_floor_percent

@@ -100,8 +100,8 @@ def test_mixed_motion_is_refused():
         (["time_s", "torque_Nm", "x1"], "--column velocity=COLUMN"),
         (["time_s", "i", "theta"], r"--column current=i\[:UNIT\] --column position=theta\[:UNIT\]"),
         (
-            ["stamp [ms]", "torque_Nm", "speed_rpm"],  # what states its unit needs none; a blank needs quotes
-            r"with --column 'time=stamp \[ms\]' --column velocity=speed_rpm; columns",
+            ["stamp [ms]", "torque_Nm", "omega_rpm"],  # what states its unit needs none; a blank needs quotes
+            r"with --column 'time=stamp \[ms\]' --column velocity=omega_rpm; columns",
         ),
     ],
 )
@@ -137,6 +137,9 @@ def test_a_channel_is_mapped_once():
         ),
         (["time_s", "force [kN]", "Position (mm)"], {"position": "Position (mm):mm"}, Motion.LINEAR),
         (["time_s", "current [A]", "velocity_rad_s", "Velocity [rpm]"], {"velocity": "velocity_rad_s"}, Motion.ROTARY),
+        (["Time [s]", "Speed [rpm]", "Torque [mNm]"], {"velocity": "Speed [rpm]:rpm"}, Motion.ROTARY),
+        (["time_s", "force [N]", "Speed [mm/s]"], {"velocity": "Speed [mm/s]:mm/s"}, Motion.LINEAR),
+        (["time_s", "torque_Nm", "Speed [rpm]", "Velocity [rpm]"], {"velocity": "Velocity [rpm]:rpm"}, Motion.ROTARY),
     ],
 )
 def test_a_column_called_as_a_channel_that_states_its_unit_needs_no_mapping(present, columns, motion):
@@ -153,6 +156,8 @@ def test_a_column_called_as_a_channel_that_states_its_unit_needs_no_mapping(pres
         ["time_s", "torque [Nm]", "position [mm]"],  # a motor's torque, and its axis?
         ["time_s", "torque_Nm", "position"],  # in which unit?
         ["time_s", "torque_Nm", "position [s]"],
+        ["time_s", "torque_Nm", "Speed [rpm]", "speed [rad/s]"],
+        ["time_s", "torque_Nm", "Speed [rpm]", "velocity"],  # is that one the measured one?
     ],
 )
 def test_what_only_the_user_knows_is_asked_for(present):

@@ -22,7 +22,7 @@ def test_a_torque_that_falls_short_of_the_current_is_no_gain(
     """A gain explains 99 and 78 % of the rows, and no channel more; 94 and 85 % over all motion, where one does."""
     found = _diagnosed(from_benchmarks, "unlisted", "droop", index, seed)
     assert found.verdict == "unknown-effect"
-    assert found.refuted == {"torque-gain"}
+    assert found.refuted == {"torque-gain", "inertia-error"}
     assert found.remaining is not None
     assert [one.against for one in found.remaining.nearest if one.name == "torque-gain"] == [
         "reversals included, something else predicts clearly more"

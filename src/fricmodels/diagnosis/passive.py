@@ -68,7 +68,7 @@ def driving_share(comparison: Comparison, significance: float) -> float:
     free = int(np.sum(np.any(slopes != 0.0, axis=1)))
     with np.errstate(over="ignore"):  # of a torque whose error has no square nothing is known
         variance = np.maximum(np.sum(slopes * (covariance @ slopes), axis=0), 0.0)
-    drives = -taken > np.sqrt(chi2.isf(significance, max(free, 1)) * variance)
+        drives = -taken > np.sqrt(chi2.isf(significance, max(free, 1)) * variance)
     return float(np.mean(drives[moving])) if np.any(moving) else 0.0
 
 

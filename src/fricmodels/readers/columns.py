@@ -26,7 +26,7 @@ from fricmodels.errors import InputError, suggestion
 from fricmodels.readers import units
 from fricmodels.readers.column_names import likely, of_one_joint, overlooked
 from fricmodels.readers.header_units import NoUnit, contradicting, doubtful, may_measure, stated_unit, without_unit
-from fricmodels.readers.standard_names import ALIASES, LINEAR, ROTARY, STANDARD, standard_columns
+from fricmodels.readers.standard_names import ALIASES, LINEAR, ROTARY, SPOKEN, STANDARD, standard_columns
 from fricmodels.recording import OTHER
 
 NAMES = (*ROTARY, *ALIASES)
@@ -242,12 +242,13 @@ def _named(motion: Motion) -> str:
 def _by_own_names(found: Mapping[str, Column], present: Sequence[str], motion: Motion | None) -> dict[str, Column]:
     """Return the columns that are called as a channel and state a unit of it, as ``Position [deg]``, by channel.
 
-    A mapping and a standard name go first. Where two columns are called so, or their units are those of a linear axis
-    and of a rotary one, none of them is taken: that only the user knows.
+    A mapping and a standard name go first, and ``Velocity`` before ``Speed``. Where two columns are called so, or
+    their units are those of a linear axis and of a rotary one, none of them is taken: that only the user knows.
     """
     called: dict[str, list[Column]] = {}
-    for column in present:
-        name = without_unit(column).lower()
+    names = [without_unit(column).lower() for column in present]
+    for column, own in zip(present, names, strict=True):
+        name = own if SPOKEN.get(own) in names else SPOKEN.get(own, own)
         channel = ALIASES.get(name, name)
         standard = any(channel in standard_columns(kind, present) for kind in STANDARD)
         if name not in NAMES or channel in ("run", *found) or standard:

@@ -181,7 +181,7 @@ class Step(Part):
     remarks: dict[str, str] = Field(default_factory=dict)
     """What tables of the parameters say beside a value, by key; empty in files of old versions."""
     noise_floor_percent: Number = None
-    """Test error that sensor noise alone would leave [% of the RMS motor torque]: it grows with the inertia of the model."""
+    """Test error that noise alone would leave [% of the RMS motor torque]: it grows with the inertia of the model."""
     noise_channel: str = ""
     """The channel whose noise makes most of that; empty in files of old versions."""
 
