@@ -330,7 +330,7 @@ def test_where_the_direction_is_not_known_neither_is_taken(creeping: float) -> N
 
 
 def test_noise_beside_a_test_error_is_in_percent_of_the_same_torque() -> None:
-    """A load makes what is fitted livelier: in N m noise alone is left, and in percent the test error was thrice that."""
+    """A load makes what is fitted livelier: in N m noise alone is left, and in percent it was thrice that."""
     rng = np.random.default_rng(5)
     recording = sliding("velocity")
     torque = recording.torque + 0.2 * rng.standard_normal(len(recording))

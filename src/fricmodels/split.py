@@ -109,6 +109,15 @@ def part_of(recording: Recording, mask: Mask) -> Recording:
     return replace(part, run=piece.astype(np.int64))
 
 
+def whole_runs(fitted: Recording, kept_back: Recording) -> tuple[str, ...]:
+    """Return the names of the runs that were kept back whole, as :func:`part_of` left them; none where parts were."""
+    numbers = kept_back.run_numbers.tolist()
+    if not len(fitted) or set(numbers) & set(fitted.run_numbers.tolist()):
+        return ()
+    names = {int(number): str(name) for number, name in kept_back.provenance.get("runs", {}).items()}
+    return tuple(names.get(number, str(number)) for number in numbers)
+
+
 def _spread(recording: Recording, how: Split) -> Mask:
     numbers = recording.run_numbers
     if len(numbers) < _ENOUGH_RUNS:

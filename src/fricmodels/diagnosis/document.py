@@ -13,6 +13,7 @@ from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.constancy import changes
 from fricmodels.diagnosis.correlation import correlation
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
+from fricmodels.diagnosis.errors_table import samples_of
 from fricmodels.diagnosis.explain import explain, sentence, unknown
 from fricmodels.diagnosis.floor import beyond_sampling_percent, is_seen_above_noise
 from fricmodels.diagnosis.in_its_place import in_its_place
@@ -148,7 +149,7 @@ def _recording(comparison: Comparison) -> facts.RecordingFacts:
         torque_constant=known.get("torque_constant"),
         channels=tuple(name for name in train.channels if name not in train.derived),
         derived=tuple(sorted(train.derived)),
-        samples=facts.Samples(fitted=len(train), kept_back=len(test)),
+        samples=samples_of(train, test),
         interval=train.interval,
         true_model=known.get("true_model"),
         findings=tuple(facts.LogFinding(**finding) for finding in known.get("findings", ())),

@@ -5,19 +5,27 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fricmodels.diagnosis.comparison import Comparison
+from fricmodels.recording import Recording
+from fricmodels.results.comparison import Samples
 from fricmodels.results.words import BY_WINDOW, noise_text
+from fricmodels.split import whole_runs
 from fricmodels.terminal import Column, show_table
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 
+def samples_of(train: Recording, test: Recording) -> Samples:
+    """Return how many samples were fitted, and how many kept back."""
+    return Samples(fitted=len(train), kept_back=len(test), kept_back_runs=whole_runs(train, test))
+
+
 def sampled(comparison: Comparison) -> str:
     """Say how many samples there are, and how far apart."""
-    fitted, kept = len(comparison.train), len(comparison.test)
-    parts = f"{fitted} samples fitted, {kept} for the test error"
+    samples = samples_of(comparison.train, comparison.test)
+    parts = f"{samples.fitted} samples fitted, {samples.in_the_test_error}"
     if comparison.drive.model.known.fixed:
-        parts = f"{fitted + kept} samples, none of them fitted, {kept} for the test error"
+        parts = f"{samples.total} samples, none of them fitted, {samples.in_the_test_error}"
     return f"{parts}, sampled every {1000 * comparison.train.interval:.4g} ms."
 
 

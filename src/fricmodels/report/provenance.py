@@ -51,7 +51,7 @@ def recording(data: ComparisonDocument) -> Table:
     rows += [
         ("channels", ", ".join(name.replace("_", " ") for name in known.channels)),
         ("derived", ", ".join(_derived(name, known) for name in known.derived) or "none"),
-        ("samples", f"{samples.fitted} fitted, {samples.kept_back} for the test error"),
+        ("samples", f"{samples.fitted} fitted, {samples.in_the_test_error}"),
         ("sampling", _sampling(known)),
         ("motion", data.motion),
         ("inertia", f"{form(data.inertia.value, '.6g')} {unit(data.inertia.unit)}, "

@@ -15,6 +15,9 @@ from fricmodels.results.part import Number, Numbers, Part, ResultDocument
 
 SCHEMA: Final = "fricmodels/diagnosis/1"
 
+_FEW_RUNS = 4
+"""Runs that are named one by one."""
+
 
 class Inertia(Part):
     """Inertia of a drive, or mass of a linear axis."""
@@ -103,6 +106,19 @@ class Samples(Part):
     """In the fit."""
     kept_back: int
     """In the test error."""
+    kept_back_runs: tuple[str, ...] = ()
+    """Names of the runs that were kept back whole; none where parts of runs were."""
+
+    @property
+    def in_the_test_error(self) -> str:
+        """In words: how many, and which runs they are, where they are whole runs."""
+        runs = self.kept_back_runs
+        if not runs:
+            return f"{self.kept_back} for the test error"
+        which = (
+            f"run{'s' if len(runs) > 1 else ''} {', '.join(runs)}" if len(runs) <= _FEW_RUNS else f"{len(runs)} runs"
+        )
+        return f"{self.kept_back} for the test error, all of {which}"
 
     @property
     def total(self) -> int:
