@@ -9,7 +9,8 @@ from pydantic import ValidationError
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
-from fricmodels.split import Split, period, split
+from fricmodels.results.comparison import Samples
+from fricmodels.split import Split, period, split, whole_runs
 
 
 def recording(time, run=None, **channels):
@@ -88,6 +89,15 @@ def test_the_usual_split_is_spread_over_record_and_runs():
     assert sorted(set(split(several_runs(7))[1].run.tolist())) == [1, 5]
 
 
+def test_runs_that_are_kept_back_whole_are_known_by_name():
+    several = replace(several_runs(), provenance={"runs": {i: f"lap {i}" for i in range(5)}})
+    train, test = split(several, Split())
+    assert whole_runs(train, test) == tuple(f"lap {i}" for i in np.unique(test.run))
+    assert whole_runs(*split(several_runs(), Split(by="runs", test_runs=(1, 3)))) == ("1", "3")
+    assert whole_runs(*split(several_runs(2), Split())) == ()
+    assert whole_runs(*split(several, Split(by="time"))) == ()
+
+
 def test_blocks_are_spread():
     _, test = split(recording(np.linspace(0, 10, 1000)), Split(by="blocks", fraction=0.3, blocks=10))
     assert sorted({int(t) for t in test.time}) == [1, 5, 8]
@@ -149,3 +159,16 @@ def test_motion_without_period(signal):
 def test_settings_that_mean_nothing_are_refused(values):
     with pytest.raises(ValidationError):
         Split.model_validate(values)
+
+
+@pytest.mark.parametrize(
+    ("runs", "words"),
+    [
+        ((), "20 for the test error"),
+        (("2",), "20 for the test error, all of run 2"),
+        (("a", "b"), "20 for the test error, all of runs a, b"),
+        (tuple("abcdef"), "20 for the test error, all of 6 runs"),
+    ],
+)
+def test_runs_that_are_kept_back_whole_are_said(runs, words):
+    assert Samples(fitted=80, kept_back=20, kept_back_runs=runs).in_the_test_error == words
