@@ -30,11 +30,13 @@ def that_all_motion_allows(
         result: the tests on the rows that show the effects.
         effects: these, each with its look-alikes.
     """
-    every, refuted = result.problem.including_uncertain_motion, set[str]()
-    if not effects or every.rows == result.problem.rows:
+    if all(_acts_about_standstill(result, found.first) for found in effects):
+        return effects, frozenset()
+    every = result.problem.including_uncertain_motion
+    if every.rows == result.problem.rows:
         return effects, frozenset()
     there = candidate_tests(every, result.parameters, only=(), policy=result.policy)
-    standing = []
+    standing, refuted = [], set[str]()
     for found in effects:
         others = [_over_all_motion(there, other.first) for other in effects if other is not found]
         members = [t for t in found.members if t.name not in refuted]
