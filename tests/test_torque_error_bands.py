@@ -340,8 +340,8 @@ def test_noise_beside_a_test_error_is_in_percent_of_the_same_torque() -> None:
     line = torque_errors(DRIVE, TRUE, prepare(lively), prepare(quiet))[0].per_sample
     assert line.held_out_SI == pytest.approx(line.SI)
     assert line.held_out_percent > 2.0 * line.percent
-    assert line.percent == pytest.approx(line.noise_floor_percent, rel=0.1)
-    assert line.held_out_percent == pytest.approx(line.noise_percent, rel=0.1)
+    assert line.percent == pytest.approx(line.fit_noise_percent, rel=0.1)
+    assert line.held_out_percent == pytest.approx(line.noise_floor_percent, rel=0.1)
     assert abs(line.above_noise()) < 0.2 * line.percent**2
     alone = torque_errors(DRIVE, TRUE, prepare(lively))[0].per_sample
-    assert alone.noise_percent == alone.noise_floor_percent
+    assert alone.noise_floor_percent == alone.fit_noise_percent == line.fit_noise_percent

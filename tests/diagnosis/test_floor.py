@@ -84,7 +84,7 @@ def test_a_gain_is_that_of_what_noise_leaves(made: Made) -> None:
 
 def test_what_is_predicted_is_noticed_as_a_part_of_the_error(made: Made) -> None:
     comparison = compare(made(noise=1.0), LAW, 2.0)
-    line = replace(comparison.errors.headline, noise_floor_percent=0.0)
+    line = replace(comparison.errors.headline, noise_floor_percent=0.0, fit_noise_percent=0.0)
     comparison = replace(comparison, errors=replace(comparison.errors, headline=line, bands=(line,)))
     whole = float(np.hypot(line.percent, line.held_out_percent)) / np.sqrt(2.0)
     policy = POLICY
@@ -120,8 +120,8 @@ def test_of_an_error_that_noise_alone_would_leave_nothing_is_noticed(
     whole = comparison.errors.headline.percent
     line = replace(comparison.errors.headline, held_out_percent=whole * (0.99 if tested else 1.01))
     bar = share * (line.held_out_percent if tested else np.hypot(whole, line.held_out_percent) / np.sqrt(2.0))
-    line = replace(line, noise_floor_percent=bar)
-    wide = replace(line, noise_floor_percent=0.5 * bar if clear else bar)
+    line = replace(line, noise_floor_percent=bar, fit_noise_percent=bar)
+    wide = replace(line, noise_floor_percent=0.5 * bar, fit_noise_percent=0.5 * bar) if clear else line
     errors = replace(comparison.errors, headline=line, bands=(line, wide))
     assert is_noticed(replace(comparison, errors=errors), 1.1 * whole) == noticed
 

@@ -60,7 +60,7 @@ def ways_to_print(value: float, where: str = "") -> set[str]:
         return {chance_text(value).removeprefix("< ")}
     if "share_of" in where or where.endswith("held_out_gain"):
         return {share_text(value).removeprefix("< ").removesuffix(" %")}
-    if where.endswith("noise_floor_percent") and value < LEAST_NOISE:
+    if where.endswith(("noise_floor_percent", "fit_noise_percent")) and value < LEAST_NOISE:
         return {f"{LEAST_NOISE}"}
     if where.endswith("recording.interval"):  # printed in ms
         return {f"{1000 * value:.3g}"}

@@ -266,6 +266,9 @@ def test_an_effect_that_only_resembles_gives_way_or_is_refused(made: Made) -> No
 def test_an_error_that_nothing_predicts_is_not_adequate(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
     comparison = compare(made(noise=1.0, samples=4000), LAW, 2.0)
     assert examine(comparison).verdict == "adequate"
+    line = replace(comparison.errors.headline, noise_floor_percent=0.1, fit_noise_percent=0.1)
+    comparison = replace(comparison, errors=replace(comparison.errors, headline=line))
+    assert examine(comparison).verdict == "adequate"
     spoilt = replace(comparison, sliding=SlidingErrors(9.0, 1.0, 1.0, 1.0))
     assert examine(spoilt).verdict == "adequate"  # the recording itself has no such error
     monkeypatch.setattr(errors_floor, "_beyond_sampling", lambda comparison: (9.0, 1.0))

@@ -44,7 +44,7 @@ def most_of_the_error(refits: Refits, judgement: Judgement) -> list[LookAlikes]:
     if found is None or fitted is None:
         return []
     before, after = (c.errors.held_out_percent**2 for c in (refits.comparison, fitted))
-    above = before - refits.comparison.noise_floor_percent**2
+    above = before - refits.comparison.errors.headline.noise_floor_percent**2
     return [found] if before - after >= refits.policy.own_share * above > 0.0 else []
 
 
@@ -71,8 +71,8 @@ def _nothing_is_left(before: Comparison, after: Comparison, policy: Policy) -> b
     """Whether a fit takes away nearly all of the printed errors above noise, where they were fitted and where not."""
     one, two = before.errors.headline, after.errors.headline
     parts = (
-        (one.percent, two.percent, one.noise_floor_percent**2),
-        (one.held_out_percent, two.held_out_percent, one.noise_percent**2),
+        (one.percent, two.percent, one.fit_noise_percent**2),
+        (one.held_out_percent, two.held_out_percent, one.noise_floor_percent**2),
     )
     return all(left**2 - noise <= policy.least_gain * (whole**2 - noise) for whole, left, noise in parts)
 

@@ -87,7 +87,7 @@ class Comparison(Displayed):
     @property
     def noise_floor_percent(self) -> float:
         """Test error of the headline that sensor noise alone would leave, in % of the RMS motor torque there."""
-        return self.errors.headline.noise_percent
+        return self.errors.headline.noise_floor_percent
 
     @property
     def noise_channel(self) -> str:

@@ -38,7 +38,8 @@ def show_bands(console: Console, comparison: Comparison, unit: str) -> None:
         Column(f"{fitted} [{unit}]", tuple(f"{band.SI:.3g}" for band in bands), True),
         Column(f"test error [{unit}]", tuple(f"{band.held_out_SI:.3g}" for band in bands), True),
         Column(fitted, tuple(f"{band.percent:.3g} %" for band in bands), True),
+        Column("noise alone", tuple(noise_text(band.fit_noise_percent) for band in bands), True),
         Column("test error", tuple(f"{band.held_out_percent:.3g} %" for band in bands), True),
-        Column("noise alone", tuple(noise_text(band.noise_percent) for band in bands), True),
+        Column("noise alone", tuple(noise_text(band.noise_floor_percent) for band in bands), True),
     ]
     show_table(console, columns, BY_WINDOW)

@@ -154,7 +154,7 @@ def falls_from(here: Comparison, other: Comparison, policy: Policy) -> bool:
     inertia takes away the noise of the acceleration with it.
     """
     if other.sliding.held_out_percent >= here.sliding.held_out_percent:
-        noise = policy.noise_known_to * here.noise_floor_percent
+        noise = policy.noise_known_to * here.errors.headline.noise_floor_percent
         both = [c.sliding.held_out_percent * max(c.errors.held_out_percent, noise) for c in (here, other)]
         return both[1] <= policy.refit_share * both[0]
     pairs = zip(other.errors.bands, here.errors.bands, strict=True)

@@ -89,8 +89,9 @@ def _(comparison: Comparison) -> Tables:
             f"fit error [{unit}]": band.SI,
             f"test error [{unit}]": band.held_out_SI,
             "fit error [%]": band.percent,
+            "noise alone, fit [%]": band.fit_noise_percent,
             "test error [%]": band.held_out_percent,
-            "noise alone [%]": band.noise_percent,
+            "noise alone [%]": band.noise_floor_percent,
         }
         for band in comparison.errors.bands
     }

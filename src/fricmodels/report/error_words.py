@@ -100,5 +100,5 @@ def comparison_words(data: ComparisonDocument) -> tuple[str, str]:
         return sentence, words
     return sentence, (
         f"{words} Per sample ({form(sample.window_ms, '.3g')} ms) the test error is "
-        f"{percent(sample.held_out_percent)}, of noise alone {noise_alone(sample.noise_percent)}."
+        f"{percent(sample.held_out_percent)}, of noise alone {noise_alone(sample.noise_floor_percent)}."
     )

@@ -34,7 +34,7 @@ def as_promised(data: ComparisonDocument) -> str:
     window, here = min(bands, key=lambda pair: abs(math.log(pair[0] / over)))
     if window == data.rms_torque_error.band_ms or abs(window / over - 1.0) > _ONE_WINDOW:
         return ""
-    noise = noise_alone(here.noise_percent)
+    noise = noise_alone(here.noise_floor_percent)
     return (
         f" Over {form(over, '.3g')} ms, as in the file of the model, the test error is "
         f"{percent(here.held_out_percent)}, of noise alone {noise}; the file says {percent(promised)}."

@@ -161,10 +161,16 @@ def bands(comparison: Comparison) -> Table:
     listed = comparison.errors.bands
     names = ["a sample", *(f"{band.window_ms:.3g} ms" for band in listed[1:])]
     rows = [
-        (name, percent(band.percent), percent(band.held_out_percent), noise_alone(band.noise_percent))
+        (
+            name,
+            percent(band.percent),
+            noise_alone(band.fit_noise_percent),
+            percent(band.held_out_percent),
+            noise_alone(band.noise_floor_percent),
+        )
         for name, band in zip(names, listed, strict=True)
     ]
-    errors = dict.fromkeys(("fit error", "test error", "sensor noise alone"), True)
+    errors = dict.fromkeys(("fit error", "of noise alone", "test error", "sensor noise alone"), True)
     return table(BY_WINDOW, {"averaged over": False, **errors}, rows)
 
 

@@ -152,6 +152,7 @@ def _errors(row: Row) -> Errors:
         "held_out_SI": row.get("held_out_rms_torque_error"),
         "held_out_percent": row.get(HELD_OUT),
         "noise_floor_percent": None,
+        "fit_noise_percent": None,
     }
     only = Band(**_or_nan(figures))
     return Errors(only, (only,))

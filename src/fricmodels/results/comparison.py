@@ -44,14 +44,9 @@ class Band(Part):
     held_out_percent: Number
     """Test error [% of the RMS motor torque]."""
     noise_floor_percent: Number
-    """What sensor noise alone would leave of what was fitted [% of the RMS motor torque]."""
-    held_out_noise_percent: Number = None
-    """What it would leave of the test error [% of the RMS motor torque]."""
-
-    @property
-    def noise_percent(self) -> float | None:
-        """What noise alone would leave of the test error; of what was fitted, where that is not known."""
-        return self.noise_floor_percent if self.held_out_noise_percent is None else self.held_out_noise_percent
+    """What sensor noise alone would leave of the test error [% of the RMS motor torque]."""
+    fit_noise_percent: Number = None
+    """What it would leave of the fit error [% of the RMS motor torque]."""
 
 
 class TorqueError(Part):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import isnan
 
 import numpy as np
 
@@ -34,8 +33,9 @@ class Band:
         window_ms: width of the window [ms]; of the error per sample, the sampling interval.
         SI, held_out_SI: on what was fitted and on what was kept back [N m or N]; not a number without it.
         percent, held_out_percent: of the RMS motor torque there.
-        noise_floor_percent, held_out_noise_percent: what sensor noise alone would leave, of the RMS motor torque of
-            what was fitted and of what was kept back. Where the one is livelier than the other these differ.
+        noise_floor_percent: what sensor noise alone would leave of the test error; of the fit error without test data.
+        fit_noise_percent: what it would leave of the fit error. Where what was fitted is livelier than what was kept
+            back, or quieter, the same noise is another percentage of its RMS motor torque.
     """
 
     window_ms: float
@@ -44,25 +44,12 @@ class Band:
     held_out_SI: float
     held_out_percent: float
     noise_floor_percent: float
-    held_out_noise_percent: float = float("nan")
-
-    @property
-    def noise_percent(self) -> float:
-        """What noise alone would leave of the test error; of what was fitted, where nothing was kept back."""
-        return self.noise_floor_percent if isnan(self.held_out_noise_percent) else self.held_out_noise_percent
+    fit_noise_percent: float = float("nan")
 
     def above_noise(self) -> float:
-        """Return the mean square beyond noise where it was fitted and where it was not, or on test data if less [%²].
-
-        Each part has its own noise: a percent of a lively part is more than one of a quiet part.
-        """
-        fitted, kept = (
-            error**2 - noise**2
-            for error, noise in (
-                (self.percent, self.noise_floor_percent),
-                (self.held_out_percent, self.noise_percent),
-            )
-        )
+        """Return the mean square beyond noise of fit and test error, or of the test error if less [%²]."""
+        fitted = self.percent**2 - self.fit_noise_percent**2
+        kept = self.held_out_percent**2 - self.noise_floor_percent**2
         return min(0.5 * (fitted + kept), kept)
 
 
@@ -91,7 +78,7 @@ class Errors:
     def in_words(self, unit: str) -> str:
         """Return the error of the headline and that per sample, each with what noise alone would leave."""
         line, sample = self.headline, self.per_sample
-        noise = about_noise(line.noise_percent)
+        noise = about_noise(line.noise_floor_percent)
         text = (
             f"RMS torque error {self.averaged}: {line.SI:.3g} {unit}, {line.percent:.3g} % of the RMS motor torque; "
             f"test error {line.held_out_percent:.3g} %; noise alone would leave {noise}."
@@ -100,7 +87,7 @@ class Errors:
             return text
         return (
             f"{text} Per sample ({sample.window_ms:.3g} ms): {sample.percent:.3g} %; test error "
-            f"{sample.held_out_percent:.3g} %; noise alone {noise_text(sample.noise_percent)}."
+            f"{sample.held_out_percent:.3g} %; noise alone {noise_text(sample.noise_floor_percent)}."
         )
 
     @property
@@ -200,8 +187,8 @@ def torque_errors(
             _percent(own, reference),
             other,
             _percent(other, kept_back),
+            _percent(floor, reference if test is None else kept_back),
             _percent(floor, reference),
-            _percent(floor, kept_back),
         )
     return Errors(found[headline], tuple(found.values())), error
 

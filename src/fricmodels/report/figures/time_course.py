@@ -95,7 +95,7 @@ def overlay(
     figure.update_layout(meta={"drawn": thin.drawn, "total": len(place), "beyond": beyond})
     _shade(figure, samples, between)
     _borders(figure, place, samples.recording.signal(RUN)[chosen])
-    noise = 2 * comparison.errors.headline.noise_floor_percent / 100 * comparison.train.rms_torque
+    noise = 2 * comparison.errors.headline.fit_noise_percent / 100 * comparison.train.rms_torque
     for i, level in enumerate((noise, -noise)):
         ends, once = place[[0, -1]], {"legendgroup": "noise", "showlegend": i == 0}
         name = "sensor noise alone (±2σ)"
