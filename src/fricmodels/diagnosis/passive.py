@@ -54,14 +54,15 @@ def driving_share(comparison: Comparison, significance: float) -> float:
     taken, linear = at(values), {p.key for p in friction.model.linear_parameters}
     nonlinear = {p.key for p in friction.model.nonlinear_parameters}
     slopes = np.zeros((len(errors), len(taken)))
-    for slope, (key, error) in zip(slopes, errors.items(), strict=True):
-        step = _STEP * error
-        if key in linear and step > 0.0:
-            slope[:] = (at({**values, key: values[key] + step}) - taken) / step
-        if key in nonlinear and step > 0.0:
-            both = (at({**values, key: values[key] + sign * step}) for sign in (1.0, -1.0))
-            slope[:] = (next(both) - next(both)) / (2.0 * step)
-    slopes[~np.isfinite(slopes)] = 0.0  # half of a step may be no value, as a speed below zero
+    with np.errstate(over="ignore", invalid="ignore"):  # half of a step may be no value, as a speed below zero
+        for slope, (key, error) in zip(slopes, errors.items(), strict=True):
+            step = _STEP * error
+            if key in linear and step > 0.0:
+                slope[:] = (at({**values, key: values[key] + step}) - taken) / step
+            if key in nonlinear and step > 0.0:
+                both = (at({**values, key: values[key] + sign * step}) for sign in (1.0, -1.0))
+                slope[:] = (next(both) - next(both)) / (2.0 * step)
+    slopes[~np.isfinite(slopes)] = 0.0
     covariance = comparison.estimate.covariance
     if covariance is None:
         covariance = np.diag(np.array(list(errors.values())) ** 2)
