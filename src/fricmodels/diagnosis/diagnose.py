@@ -201,7 +201,8 @@ def _examined(refits: Refits, problem: WeakFormProblem, out: set[str], policy: P
     is_left = best is not None or predictors or is_far_above_noise(comparison, policy)
     judgement = judge(possible, out, best) if is_left else None
     together = [] if judgement is None else _supported(refits, judgement)
-    found = refit_check(refits, possible, out, together[0] if together else None)
+    imitating = () if judgement is None else [one.first.name for one in judgement.one_cause]
+    found = refit_check(refits, possible, out, together[0] if together else None, imitating)
     named = confirmed(refits, found, possible, out, together)
     everything = as_a_whole(refits, together) if named is None else all_together(refits, named, together)
     if judgement is not None and judgement.only_jointly and len(everything) < len(together):

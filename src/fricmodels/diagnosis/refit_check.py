@@ -14,7 +14,7 @@ fitted with it must leave far less of the whole recording.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -37,7 +37,11 @@ from fricmodels.weakform.problem import WeakFormProblem
 
 
 def refit_check(
-    refits: Refits, result: CandidateTests, leave_out: Iterable[str], named: LookAlikes | None
+    refits: Refits,
+    result: CandidateTests,
+    leave_out: Iterable[str],
+    named: LookAlikes | None,
+    imitating: Collection[str] = (),
 ) -> LookAlikes | None:
     """Return what the weak form names, or the effect with which the error falls far, or ``None``.
 
@@ -49,12 +53,13 @@ def refit_check(
         result: the tests on its residual.
         leave_out: effects that are not considered.
         named: what the weak form names; ``None`` if nothing.
+        imitating: effects that, by the rows, only imitate another cause.
     """
     comparison, policy, out = refits.comparison, result.policy, set(leave_out)
     before = _error(comparison)
     if named is None:
         small = [] if passing_all_gates(result) else significant(result)
-        return _best(refits, result, small, out, before) or _on_all_motion(refits, result, out, before)
+        return _best(refits, result, small, out, before) or _on_all_motion(refits, result, out, before, imitating)
     named = _with_a_simpler_one(refits, result, _led_by_fit(refits, named, policy))
     in_rows = 100 * torque_share(result, named.first.evidence)
     if not named.first.effect.states or in_rows > policy.residual_shows_error * before:
@@ -62,7 +67,8 @@ def refit_check(
     helps, after = _helps(refits, named.first, policy), min(before, _error(refits.with_effect(named.first)))
     if helps and after < policy.replacement * before:
         return named
-    return _on_all_motion(refits, result, out, policy.replacement * after) or (named if helps else None)
+    again = _on_all_motion(refits, result, out, policy.replacement * after, imitating)
+    return again or (named if helps else None)
 
 
 def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes:
@@ -135,11 +141,13 @@ def _helps(refits: Refits, tested: CandidateTest, policy: Policy) -> bool:
     return falls_far or beyond_sampling_percent(fitted) < beyond_sampling_percent(comparison)
 
 
-def _on_all_motion(refits: Refits, in_rows: CandidateTests, leave_out: set[str], bound: float) -> LookAlikes | None:
+def _on_all_motion(
+    refits: Refits, in_rows: CandidateTests, leave_out: set[str], bound: float, imitating: Collection[str] = ()
+) -> LookAlikes | None:
     """Return the effect that explains all motion and leaves less than a bound [% of the RMS torque].
 
-    Of those that the rows see as well, and do not say to be there, the best counts if nothing but the certainty of its
-    gain is lacking in them.
+    Of those that the rows see as well, and do not say to be there, the best counts if the certainty of its gain is
+    lacking in them; not one that, by the rows, only imitates another cause.
     """
     comparison, policy = refits.comparison, in_rows.policy
     if _error(comparison) < policy.refit_fall:
@@ -150,7 +158,7 @@ def _on_all_motion(refits: Refits, in_rows: CandidateTests, leave_out: set[str],
     # Few events hold what an effect does there, and of very different size, so that its gain is not significant. The
     # test error of the fitted model has to fall far in its place.
     seen = _that_gain(result)
-    also = {t.name for t in _that_gain(in_rows)[:1]}
+    also = {t.name for t in _that_gain(in_rows)[:1]}.difference(imitating)
     passing = [t for t in seen if t.name in also or _share_in_rows(problem, t) < policy.judged_by_weak_form]
     return _best(refits, result, passing, leave_out, bound)
 
