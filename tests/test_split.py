@@ -10,7 +10,7 @@ from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
 from fricmodels.results.comparison import Samples
-from fricmodels.split import Split, period, split, whole_runs
+from fricmodels.split import WHOLE_RUNS, Split, period, split
 
 
 def recording(time, run=None, **channels):
@@ -90,12 +90,21 @@ def test_the_usual_split_is_spread_over_record_and_runs():
 
 
 def test_runs_that_are_kept_back_whole_are_known_by_name():
+    def whole(recording, how):
+        return split(recording, how)[1].provenance[WHOLE_RUNS]
+
     several = replace(several_runs(), provenance={"runs": {i: f"lap {i}" for i in range(5)}})
-    train, test = split(several, Split())
-    assert whole_runs(train, test) == tuple(f"lap {i}" for i in np.unique(test.run))
-    assert whole_runs(*split(several_runs(), Split(by="runs", test_runs=(1, 3)))) == ("1", "3")
-    assert whole_runs(*split(several_runs(2), Split())) == ()
-    assert whole_runs(*split(several, Split(by="time"))) == ()
+    assert whole(several, Split()) == tuple(f"lap {i}" for i in np.unique(split(several, Split())[1].run))
+    assert whole(several_runs(), Split(by="runs", test_runs=(1, 3))) == ("1", "3")
+    assert whole(several_runs(2), Split()) == ()
+    assert whole(several, Split(by="time")) == ()
+
+
+def test_a_piece_of_a_run_is_no_whole_run_whatever_its_number():
+    one = replace(several_runs(1), run=np.full(40, 5))
+    fitted, kept_back = split(one, Split(by="time", test_from=1.0, test_to=2.0))
+    assert not set(fitted.run) & set(kept_back.run)
+    assert kept_back.provenance[WHOLE_RUNS] == ()
 
 
 def test_blocks_are_spread():
@@ -165,9 +174,9 @@ def test_settings_that_mean_nothing_are_refused(values):
     ("runs", "words"),
     [
         ((), "20 for the test error"),
-        (("2",), "20 for the test error, all of run 2"),
-        (("a", "b"), "20 for the test error, all of runs a, b"),
-        (tuple("abcdef"), "20 for the test error, all of 6 runs"),
+        (("2",), "20 for the test error (run 2, whole)"),
+        (("a", "b"), "20 for the test error (runs a, b, whole)"),
+        (tuple("abcdef"), "20 for the test error (6 runs, whole)"),
     ],
 )
 def test_runs_that_are_kept_back_whole_are_said(runs, words):

@@ -21,6 +21,9 @@ _ROUNDING = 1e-6
 _FAIR = 0.25
 """Least share of its fair part that blocks kept back hold of what a drive does for a block's time or longer."""
 
+WHOLE_RUNS = "whole_runs"
+"""Provenance of what is kept back: names of the runs that are in it whole."""
+
 
 class Split(BaseModel):
     """How a recording is divided into a part to fit and a part to score. Nothing is drawn at random.
@@ -80,7 +83,7 @@ class Split(BaseModel):
 
 
 def split(recording: Recording, how: Split | None = None) -> tuple[Recording, Recording]:
-    """Return what is to be fitted and what is to be scored.
+    """Return what is to be fitted and what is to be scored; the provenance of this names the runs that are in it whole.
 
     Raises:
         InputError: when either part would be empty, a run is not there, or no period can be found.
@@ -95,7 +98,9 @@ def split(recording: Recording, how: Split | None = None) -> tuple[Recording, Re
             f"splitting recording '{recording.name}' by {how.by} leaves {what} to fit and "
             f"{'everything' if test.all() else 'nothing'} to score; change the split"
         )
-    return part_of(recording, ~test), part_of(recording, test)
+    kept_back = part_of(recording, test)
+    known = {**kept_back.provenance, WHOLE_RUNS: _whole_runs(recording, test)}
+    return part_of(recording, ~test), replace(kept_back, provenance=known)
 
 
 def part_of(recording: Recording, mask: Mask) -> Recording:
@@ -109,13 +114,13 @@ def part_of(recording: Recording, mask: Mask) -> Recording:
     return replace(part, run=piece.astype(np.int64))
 
 
-def whole_runs(fitted: Recording, kept_back: Recording) -> tuple[str, ...]:
-    """Return the names of the runs that were kept back whole, as :func:`part_of` left them; none where parts were."""
-    numbers = kept_back.run_numbers.tolist()
-    if not len(fitted) or set(numbers) & set(fitted.run_numbers.tolist()):
+def _whole_runs(recording: Recording, kept_back: Mask) -> tuple[str, ...]:
+    """Return the names of the runs that are kept back whole; none where a part of some run is."""
+    numbers = np.unique(recording.run[kept_back])
+    if np.isin(numbers, recording.run[~kept_back]).any():
         return ()
-    names = {int(number): str(name) for number, name in kept_back.provenance.get("runs", {}).items()}
-    return tuple(names.get(number, str(number)) for number in numbers)
+    names = recording.provenance.get("runs", {})
+    return tuple(str(names.get(int(number), number)) for number in numbers)
 
 
 def _spread(recording: Recording, how: Split) -> Mask:

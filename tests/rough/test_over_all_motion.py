@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from types import ModuleType
 
@@ -25,14 +26,35 @@ def test_a_torque_that_falls_short_of_the_current_is_no_gain(
     assert found.refuted == {"torque-gain", "inertia-error"}
     assert found.remaining is not None
     assert [one.against for one in found.remaining.nearest if one.name == "torque-gain"] == [
-        "reversals included, something else predicts clearly more"
+        "over all motion, reversals included, a channel predicts clearly more"
     ]
 
 
-def test_what_acts_about_the_reversals_says_nothing_of_what_the_rows_show(
+def test_what_is_refuted_was_seen_all_the_same(
     from_benchmarks: Callable[[str], ModuleType], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where no channel predicts anything in the rows, the effect does, whatever its form."""
+    module = importlib.import_module("fricmodels.diagnosis.diagnose")
+    monkeypatch.setattr(module, "passing_predictors", lambda *_: [])
+    found = _diagnosed(from_benchmarks, "unlisted", "droop", 3, 7701)
+    assert not found.findings
+    assert found.view is not None
+    assert "torque-gain" in found.view.channels
+
+
+def test_what_acts_about_the_reversals_says_nothing_of_what_the_rows_show(
+    from_benchmarks: Callable[[str], ModuleType],
 ) -> None:
     """A contact bends at every reversal, beside a wrong gain: the distance since the last one predicts most there."""
     found = _diagnosed(from_benchmarks, "several", "", 20, 7601)
     assert "torque-gain" in found.findings[0].names
     assert not found.refuted
+
+
+def test_a_look_alike_that_stands_over_all_motion_takes_the_place_of_one_that_does_not(
+    from_benchmarks: Callable[[str], ModuleType],
+) -> None:
+    """On one sine rows cannot tell a friction that differs between the directions from an offset."""
+    found = _diagnosed(from_benchmarks, "single", "asymmetry", 1, 7601)
+    assert found.refuted == {"torque-offset"}
+    assert [one.names[0] for one in found.findings] == ["asymmetry"]

@@ -20,7 +20,7 @@ def contradiction(comparison: Comparison, candidate: CandidateTest, channel: str
         refuted: names of effects that the rows show and all motion does not.
     """
     if candidate.name in refuted:
-        return "reversals included, something else predicts clearly more"
+        return "over all motion, reversals included, a channel predicts clearly more"
     effect = candidate.effect
     delays = [p.symbol for p in effect.parameters if p.delay]
     if delays and _is_not_to_be_shifted(comparison):

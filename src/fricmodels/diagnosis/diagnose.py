@@ -211,7 +211,7 @@ def _examined(refits: Refits, problem: WeakFormProblem, out: set[str], policy: P
     allowed, refuted = that_all_motion_allows(possible, everything)
     if refuted:
         everything = that_stay(refits, allowed)
-        named = everything[0] if everything else None
+        found, named = (found, everything[0]) if everything else (None, None)
     place = _noticed_place(result, comparison) if named is None else None
     noise = None if place is not None else _noise(comparison, result, named, predictors)
     view = next((p for p in predictors if p.channels not in AUTOREGRESSIVE), predictors[0] if predictors else None)
@@ -233,7 +233,7 @@ def _examined(refits: Refits, problem: WeakFormProblem, out: set[str], policy: P
         place = (None if view is None else place_of_stretch(result, view)) or place
     passing = tuple(passing_all_gates(result)) if found is not None else ()
     seen = visibility(result, {name for one in everything[:1] for name in one.names})
-    refused = None if found is None or everything or refuted else found.first
+    refused = found.first if found is not None and not everything else None
     return Diagnosis(
         comparison,
         verdict,

@@ -8,7 +8,7 @@ from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.recording import Recording
 from fricmodels.results.comparison import Samples
 from fricmodels.results.words import BY_WINDOW, noise_text
-from fricmodels.split import whole_runs
+from fricmodels.split import WHOLE_RUNS
 from fricmodels.terminal import Column, show_table
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def samples_of(train: Recording, test: Recording) -> Samples:
     """Return how many samples were fitted, and how many kept back."""
-    return Samples(fitted=len(train), kept_back=len(test), kept_back_runs=whole_runs(train, test))
+    return Samples(fitted=len(train), kept_back=len(test), kept_back_runs=test.provenance.get(WHOLE_RUNS, ()))
 
 
 def sampled(comparison: Comparison) -> str:

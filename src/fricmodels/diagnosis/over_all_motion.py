@@ -15,6 +15,7 @@ from dataclasses import replace
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests, tested_at
 from fricmodels.diagnosis.effect_set import Member, Rest, member_of
+from fricmodels.diagnosis.passive import of_speed
 from fricmodels.diagnosis.support import support_of
 from fricmodels.diagnosis.verdict import LookAlikes
 
@@ -58,7 +59,7 @@ def _is_refuted(result: CandidateTests, tested: CandidateTest, others: list[Memb
 
 def _acts_about_standstill(result: CandidateTests, tested: CandidateTest) -> bool:
     model = result.problem.alone(tested.effect).model
-    return bool(model.states) or (tested.effect.friction and model.needs <= {"velocity"})
+    return bool(model.states) or (tested.effect.friction and of_speed(model))
 
 
 def _over_all_motion(result: CandidateTests, tested: CandidateTest) -> Member | None:

@@ -81,8 +81,8 @@ def drives_from(comparison: Comparison) -> float | None:
     fastest motion.
     """
     drive, values = comparison.drive, comparison.estimate.parameters
-    terms = [effect for effect in drive.model.effects if effect.friction and _of_speed(Model.only(effect))]
-    if not _of_speed(Model(drive.model.law, ())):
+    terms = [effect for effect in drive.model.effects if effect.friction and of_speed(Model.only(effect))]
+    if not of_speed(Model(drive.model.law, ())):
         return None
     friction = Drive(Model(drive.model.law, terms), drive.inertia, drive.motion)
     speeds = comparison.train.peak_speed * np.linspace(1.0, _FASTER, _STEPS)
@@ -97,7 +97,8 @@ def drives_from(comparison: Comparison) -> float | None:
     return None
 
 
-def _of_speed(model: Model) -> bool:
+def of_speed(model: Model) -> bool:
+    """Whether a model is a function of the speed alone, in both directions."""
     return model.needs <= {"velocity"} and not model.states
 
 

@@ -110,10 +110,10 @@ class Samples(Part):
         runs = self.kept_back_runs
         if not runs:
             return f"{self.kept_back} for the test error"
-        which = (
-            f"run{'s' if len(runs) > 1 else ''} {', '.join(runs)}" if len(runs) <= _FEW_RUNS else f"{len(runs)} runs"
+        named = f"run{'s' if len(runs) > 1 else ''} {', '.join(runs)}"
+        return (
+            f"{self.kept_back} for the test error ({named if len(runs) <= _FEW_RUNS else f'{len(runs)} runs'}, whole)"
         )
-        return f"{self.kept_back} for the test error, all of {which}"
 
     @property
     def total(self) -> int:

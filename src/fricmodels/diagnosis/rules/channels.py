@@ -80,9 +80,11 @@ class ChannelRules(Rules):
         "share",
         "An effect must explain this share of what a channel explains that predicts more in its place, and as much as "
         "one of other signals that is simpler and better than any of its own; a wave, this share of what any wave of "
-        "its number does, if that is most of what it leaves.",
+        "its number does, if that is most of what it leaves. A named one is asked once more over all motion.",
         "Judgement: on 86 drives all true effects but one lie above it, most mimics of what is on no list below. The "
-        "second part has no number; of 440 rough drives with a name nine lose a wrong one by it and none a right one.",
+        "second part has no number; of 440 rough drives with a name nine lose a wrong one by it and none a right one. "
+        "Over all motion eight of 437 answers change: three lose their only, wrong name, "
+        "and one a right one (docs/decisions/unknown.md).",
         off=0.0,
     )
     wave_periods: float = rule(
