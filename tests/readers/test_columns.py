@@ -170,6 +170,15 @@ def test_counts_of_an_encoder_are_asked_for_as_a_position():
         assign([], ["time_s", "torque_Nm", "Position [cnt]"], None)
 
 
+@pytest.mark.parametrize("position", ["Position [deg]", "position_rad", "position"])
+def test_a_speed_beside_a_position_may_have_no_sign_and_is_not_taken(position):
+    """A log of both was read by its position, and would be refused for a speed that is never negative."""
+    mapped = ["position=position:rad"] if position == "position" else []
+    found, _ = assign(mapped, ["time_s", "torque_Nm", position, "Speed [rpm]"], None)
+    assert found["position"].column == position
+    assert "velocity" not in found
+
+
 def test_a_mapping_goes_before_a_name_with_a_unit():
     found, _ = assign(["position=q:deg"], ["time_s", "torque_Nm", "position [rad]", "q"], None)
     assert found["position"] == Column("position", "q", "deg")

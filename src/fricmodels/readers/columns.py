@@ -242,13 +242,14 @@ def _named(motion: Motion) -> str:
 def _by_own_names(found: Mapping[str, Column], present: Sequence[str], motion: Motion | None) -> dict[str, Column]:
     """Return the columns that are called as a channel and state a unit of it, as ``Position [deg]``, by channel.
 
-    A mapping and a standard name go first, and ``Velocity`` before ``Speed``. Where two columns are called so, or
-    their units are those of a linear axis and of a rotary one, none of them is taken: that only the user knows.
+    A mapping and a standard name go first. Where two columns are called so, or their units are those of a linear axis
+    and of a rotary one, none is taken: that only the user knows. A ``Speed``, maybe without a sign, comes after others.
     """
     called: dict[str, list[Column]] = {}
     names = [without_unit(column).lower() for column in present]
+    known = {*found, *names, *(channel for kind in STANDARD for channel in standard_columns(kind, present))}
     for column, own in zip(present, names, strict=True):
-        name = own if SPOKEN.get(own) in names else SPOKEN.get(own, own)
+        name = own if known & {"position", "velocity"} else SPOKEN.get(own, own)
         channel = ALIASES.get(name, name)
         standard = any(channel in standard_columns(kind, present) for kind in STANDARD)
         if name not in NAMES or channel in ("run", *found) or standard:
