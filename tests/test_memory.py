@@ -17,7 +17,7 @@ from fricmodels.effects import Presliding
 from fricmodels.errors import InputError
 from fricmodels.expressions import maximum, minimum, sign, where
 from fricmodels.laws import CoulombViscous
-from fricmodels.memory import Memory
+from fricmodels.memory import Memory, MemoryStep
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter, State
 from fricmodels.recording import Recording
@@ -304,3 +304,26 @@ def test_a_switching_contact_in_motion(push: float) -> None:
         assert np.max(np.abs(found["position"] - push * 0.1 * (1 - np.cos(natural * time)))) < 1e-5
     else:
         assert np.polyfit(time[time > 0.5], found.velocity[time > 0.5], 1)[0] == pytest.approx((push - 1) / 0.01)
+
+
+@pytest.mark.parametrize("beside", ["presliding", "rising-stiction"])
+@pytest.mark.parametrize("late", [1e-6, 2e-4, 1e-2])
+def test_a_lag_of_any_length_leaves_other_states_as_they_are(beside: str, late: float) -> None:
+    """Solved together with the others its states made these no numbers, in a recording and from sample to sample."""
+    time = 1e-3 * np.arange(3000)
+    velocity = np.sin(3.0 * time) + 0.3 * np.sin(17.0 * time)
+    own = {"x_s": 0.02, "T": 0.2} if beside == "rising-stiction" else {"x_s": 1e-6}
+    alone = states(beside, own, time, velocity=velocity)
+    both = Model.parse(f"coulomb-viscous+{beside}+frictional-lag")
+    given = {name: velocity if name == "velocity" else np.zeros(len(time)) for name in SIGNALS}
+    lag = {"frictional-lag.T": late, "frictional-lag.r": 0.3}
+    values = [lag.get(p.key, own.get(p.declared.symbol, 1.0)) for p in both.parameters]
+    found = Memory(both, given, time, np.zeros(len(time), dtype=np.int64), 1e-9)(values)
+    for one, other in zip(alone, found, strict=False):
+        np.testing.assert_allclose(other, one, rtol=1e-9, atol=1e-12)
+    assert np.all(np.isfinite(found))
+    step, ends = MemoryStep(both, 1e-9), [{name: float(given[name][i]) for name in SIGNALS} for i in range(1500)]
+    reached = step.first(ends[0], values)
+    for begin, end in itertools.pairwise(ends):
+        reached = step(reached, begin, end, 1e-3, values)
+    np.testing.assert_allclose(reached[: len(alone)], [one[1499] for one in alone], rtol=1e-9, atol=1e-12)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -269,19 +269,19 @@ def memory_step(model: Model) -> Any:
         return casadi.substitute(expression, casadi.vertcat(e.states, signals), casadi.vertcat(states, ends))
 
     following = casadi.SX(e.states)
-    integrated = [i for i in range(e.states.numel()) if i not in e.discrete_step]
-    if integrated:
-        states, rates = e.states[integrated], e.rates[integrated]
+    for own in _integrated_together(model, e.discrete_step):
+        # Each term by itself: in one solution a short time of one made numbers of none of them.
+        states, rates = e.states[own], e.rates[own]
         before, after = at(rates, e.states, begin), at(rates, e.states, end)
         slope = casadi.jacobian(rates, states)
         mean_slope = (at(slope, e.states, begin) + at(slope, e.states, end)) / 2
-        matrix = casadi.SX.eye(len(integrated)) - _GAMMA * h * mean_slope
+        matrix = casadi.SX.eye(len(own)) - _GAMMA * h * mean_slope
         change = _GAMMA * (after - before)
         k1 = casadi.solve(matrix, before + change)
         moved = casadi.SX(e.states)
-        moved[integrated] = states + h * k1
+        moved[own] = states + h * k1
         k2 = casadi.solve(matrix, at(rates, moved, end) - 2 * k1 - change)
-        following[integrated] = states + h / 2 * (3 * k1 + k2)
+        following[own] = states + h / 2 * (3 * k1 + k2)
     given = casadi.vertcat(signals, *(e.later[name] for name in _needed(model)), e.step)
     for i, expression in e.discrete_step.items():
         following[i] = casadi.substitute(expression, given, casadi.vertcat(begin, end, h))
@@ -292,6 +292,15 @@ def memory_step(model: Model) -> Any:
     return casadi.Function(
         "memory", [e.states, casadi.vertcat(h, begin, end), constants], [following, following], {"cse": True}
     )
+
+
+def _integrated_together(model: Model, discrete: Collection[int]) -> Iterator[list[int]]:
+    """Yield the places of the states of each term whose rates are integrated."""
+    places = itertools.count()
+    for term in model.terms:
+        own = [place for place in itertools.islice(places, len(term.states)) if place not in discrete]
+        if own:
+            yield own
 
 
 def step_with_beginnings(model: Model) -> Any:

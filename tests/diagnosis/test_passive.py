@@ -127,3 +127,22 @@ def test_a_difference_within_the_friction_may_be_either(seed: int) -> None:
     ladder = improve(record(0.6, seed=seed), "coulomb-viscous", INERTIA)
     (finding,) = ladder.first.findings
     assert {"torque-offset", "asymmetry"} <= set(finding.names)
+
+
+def test_the_slope_of_a_friction_is_taken_where_it_has_a_value() -> None:
+    """A standard error of a speed that is many times the speed: less of it is no speed, and the torque no number.
+
+    The friction that ages beside it is fitted to such numbers, too, where its beginning is sought.
+    """
+    comparison = compare(record(0.0), "coulomb-viscous+stribeck+rising-stiction", INERTIA)
+    values = {**comparison.estimate.parameters, "stribeck.F_s": 1.0, "stribeck.omega_s": 0.1, "stribeck.delta": 1.3}
+    values |= {"rising-stiction.F": 0.5, "rising-stiction.T": 0.2, "rising-stiction.x_s": 0.02}
+    errors = {**dict.fromkeys(values, 0.0), "stribeck.omega_s": 30.0}
+    found = replace(comparison.estimate, parameters=values, standard_errors=errors, covariance=None)
+    assert driving_share(replace(comparison, estimate=found), 0.01) == 0.0
+    braking = replace(found, parameters={**values, "K_v": 0.0, "K_c": 0.0, "stribeck.F_s": -1.0})
+    sure, unsure = ({**errors, "stribeck.omega_s": error} for error in (1e-6, 30.0))
+    shares = [
+        driving_share(replace(comparison, estimate=replace(braking, standard_errors=e)), 0.01) for e in (sure, unsure)
+    ]
+    assert shares[0] > 2.0 * shares[1]

@@ -10,6 +10,7 @@ from fricmodels.arrays import Array
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.drive import Drive
 from fricmodels.model import Model
+from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.term import Effect
 from fricmodels.weakform.acting import acting
@@ -52,16 +53,16 @@ def driving_share(comparison: Comparison, significance: float) -> float:
         return np.asarray(friction.friction(recording, parameters, velocity=problem.smooth)[some] * side)
 
     taken, linear = at(values), {p.key for p in friction.model.linear_parameters}
-    nonlinear = {p.key for p in friction.model.nonlinear_parameters}
+    nonlinear = {p.key: p.declared for p in friction.model.nonlinear_parameters}
     slopes = np.zeros((len(errors), len(taken)))
-    with np.errstate(over="ignore", invalid="ignore"):  # half of a step may be no value, as a speed below zero
+    with np.errstate(over="ignore", invalid="ignore"):  # a step may lead to where the friction has no value
         for slope, (key, error) in zip(slopes, errors.items(), strict=True):
             step = _STEP * error
             if key in linear and step > 0.0:
                 slope[:] = (at({**values, key: values[key] + step}) - taken) / step
             if key in nonlinear and step > 0.0:
-                both = (at({**values, key: values[key] + sign * step}) for sign in (1.0, -1.0))
-                slope[:] = (next(both) - next(both)) / (2.0 * step)
+                less, more = _within(nonlinear[key], values[key], step)
+                slope[:] = (at({**values, key: more}) - at({**values, key: less})) / (more - less)
     slopes[~np.isfinite(slopes)] = 0.0
     covariance = comparison.estimate.covariance
     if covariance is None:
@@ -71,6 +72,12 @@ def driving_share(comparison: Comparison, significance: float) -> float:
         variance = np.maximum(np.sum(slopes * (covariance @ slopes), axis=0), 0.0)
         drives = -taken > np.sqrt(chi2.isf(significance, max(free, 1)) * variance)
     return float(np.mean(drives[moving])) if np.any(moving) else 0.0
+
+
+def _within(parameter: Parameter, value: float, step: float) -> tuple[float, float]:
+    """Return a value less a step, and with a step more; the value itself where that is beyond a physical bound."""
+    inside = [value, *(v for v in (value - step, value + step) if parameter.lower < v < parameter.upper)]
+    return min(inside), max(inside)
 
 
 def drives_from(comparison: Comparison) -> float | None:

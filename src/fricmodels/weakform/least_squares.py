@@ -96,10 +96,15 @@ class NormalEquations:
         return np.asarray(self.inverse @ self.right)
 
     def solve(self, constraints: Array, limits: Array) -> Array:
-        """Return the least-squares solution subject to ``constraints @ x ≥ limits``."""
+        """Return the least-squares solution subject to ``constraints @ x ≥ limits``.
+
+        It is not finite where the products with the target are not.
+        """
         free = self.solved
         slack = constraints @ free - limits
         if not len(slack) or slack.min() >= 0.0 or np.all(slack >= -1e-12 * np.abs(constraints) @ np.abs(free)):
+            return np.asarray(free)
+        if not np.all(np.isfinite(free)):
             return np.asarray(free)
         root = np.sqrt(np.maximum(self.values, RANK_TOLERANCE))
         back = self.vectors / root / self.size[:, None]
