@@ -6,7 +6,8 @@ from hypothesis import strategies as st
 
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
-from fricmodels.readers.columns import NAMES, STANDARD, Column, assign, parse
+from fricmodels.readers.columns import Column, assign, parse
+from fricmodels.readers.standard_names import NAMES, STANDARD
 
 UNITS = [None, "deg/s", "rpm", "0.5 um", "count/2000", "N m"]
 column_names = st.text(min_size=1, max_size=20).map(str.strip).filter(bool)

@@ -69,6 +69,14 @@ from fricmodels.readers.header_units import contradicting, stated_unit, without_
         ("x_s", "position", None),
         ("pos_deg_s", "position", None),
         ("vel_deg", "velocity", None),
+        ("t/ms", "time", "ms"),
+        ("phi/°", "position", "deg"),
+        ("M / mNm", "torque", "mNm"),
+        ("n/min⁻¹", "velocity", "min⁻¹"),
+        ("omega/(rad/s)", "velocity", "rad/s"),
+        ("torque/A", "torque", None),
+        ("arm/elbow", "position", None),
+        ("/joint/deg", "position", None),
     ],
 )
 def test_the_unit_in_a_name(column, channel, unit):
@@ -78,6 +86,8 @@ def test_the_unit_in_a_name(column, channel, unit):
 def test_a_name_without_its_unit():
     assert without_unit("torque_in-lb") == "torque"
     assert without_unit("vel_mrad_s") == "vel"
+    assert without_unit("Position/mm") == "Position"
+    assert without_unit("arm/elbow") == "arm/elbow"
 
 
 def log(tmp_path, header):
@@ -97,6 +107,15 @@ def test_a_scope_in_turns_is_read(tmp_path):
     path = log(tmp_path, "Time [ms],Torque [Nm],ActPos")
     found = read(path, columns=["position=ActPos:rev"])["position"]
     assert found.max() == pytest.approx(120 * np.pi, rel=1e-3)
+
+
+def test_a_row_of_units_below_names_of_channels_is_read_without_a_mapping(tmp_path):
+    found = read(log(tmp_path, "Time;Torque;Speed\n[ms];[mNm];[rpm]".replace(";", ",")))
+    assert found.velocity.max() == pytest.approx(2 * np.pi, rel=1e-3)
+    assert found.torque[0] == pytest.approx(1e-3)
+    assert found.interval == pytest.approx(5e-3)
+    with pytest.raises(InputError, match="torque-constant"):
+        read(log(tmp_path, "Time,Torque,Speed\n[ms],[A],[rpm]"))
 
 
 def test_it_is_read_and_an_option_overrules_it(tmp_path):

@@ -93,6 +93,7 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
     yield from samples.unequal(log)
     yield from samples.unread_units(log)
     yield from samples.without_sign(log)
+    yield from samples.wrapped_clock(log)
     constant = list(samples.constant(log))
     yield from constant
     spikes = list(samples.spikes(log))

@@ -215,6 +215,18 @@ def without_sign(log: Log) -> Iterator[Finding]:
         )
 
 
+def wrapped_clock(log: Log) -> Iterator[Finding]:
+    """Say that the clock began anew where its counter was full, and goes on."""
+    period = log.recording.provenance.get("clock_period")
+    if period:
+        yield Finding(
+            "wrapped-clock",
+            Severity.NOTE,
+            "time",
+            f"the time began anew at {period:.12g} in the unit of its column, where its counter is full: it goes on",
+        )
+
+
 def beginnings(log: Log) -> Iterator[Finding]:
     """Say where the velocity of a first sample is no velocity: a difference begins so."""
     at = false_beginnings(log.recording)

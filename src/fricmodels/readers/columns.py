@@ -25,11 +25,11 @@ from fricmodels.dimension import Motion
 from fricmodels.errors import InputError, suggestion
 from fricmodels.readers import units
 from fricmodels.readers.column_names import likely, of_one_joint, overlooked
-from fricmodels.readers.header_units import NoUnit, contradicting, doubtful, may_measure, stated_unit, without_unit
-from fricmodels.readers.standard_names import ALIASES, LINEAR, ROTARY, SPOKEN, STANDARD, standard_columns
+from fricmodels.readers.header_units import NoUnit, contradicting, doubtful, may_measure, stated_size, stated_unit
+from fricmodels.readers.own_names import by_own_names
+from fricmodels.readers.standard_names import ALIASES, LINEAR, NAMES, STANDARD, standard_columns
 from fricmodels.recording import OTHER
 
-NAMES = (*ROTARY, *ALIASES)
 """Channel names that a mapping may use; ``force`` and ``load_force`` are those of a linear axis."""
 
 Mapped = Sequence[str] | Mapping[str, str | Mapping[str, str]]
@@ -186,8 +186,14 @@ def detect_motion(mapped: Mapping[str, Column], present: Sequence[str]) -> Motio
     return Motion.LINEAR if linear_names > rotary_names else Motion.ROTARY
 
 
-def assign(columns: Mapped, present: Sequence[str], motion: Motion | None) -> tuple[dict[str, Column], Motion]:
+def assign(
+    columns: Mapped, present: Sequence[str], motion: Motion | None, stated: Mapping[str, str] | None = None
+) -> tuple[dict[str, Column], Motion]:
     """Return the column of each channel, and the motion: what is mapped, and standard names for the rest.
+
+    Args:
+        columns: mappings. present: names of the columns. motion: rotary or linear, if it is known.
+        stated: units that the file gives beside the names, by column.
 
     Raises:
         InputError: naming a channel that is missing, the columns that are there and the way out; or a column that is
@@ -197,7 +203,8 @@ def assign(columns: Mapped, present: Sequence[str], motion: Motion | None) -> tu
         channel: Column(column.name, column.column, column.unit or _stated(column))
         for channel, column in mapping(columns, present).items()
     }
-    found |= _by_own_names(found, present, motion)
+    own = by_own_names(found, present, motion, stated or {})
+    found |= {channel: Column(*column) for channel, column in own.items()}
     kind = motion or detect_motion(found, present)
     for channel, name in standard_columns(kind, present).items():
         if channel not in found:
@@ -239,36 +246,6 @@ def _named(motion: Motion) -> str:
     return f"leave out {asked} or a model of a {motion} drive"
 
 
-def _by_own_names(found: Mapping[str, Column], present: Sequence[str], motion: Motion | None) -> dict[str, Column]:
-    """Return the columns that are called as a channel and state a unit of it, as ``Position [deg]``, by channel.
-
-    A mapping and a standard name go first. Where two columns are called so, or their units are those of a linear axis
-    and of a rotary one, none is taken: that only the user knows. A ``Speed``, maybe without a sign, comes after others.
-    """
-    called: dict[str, list[Column]] = {}
-    names = [without_unit(column).lower() for column in present]
-    known = {*found, *names, *(channel for kind in STANDARD for channel in standard_columns(kind, present))}
-    for column, own in zip(present, names, strict=True):
-        name = own if known & {"position", "velocity"} else SPOKEN.get(own, own)
-        channel = ALIASES.get(name, name)
-        standard = any(channel in standard_columns(kind, present) for kind in STANDARD)
-        if name not in NAMES or channel in ("run", *found) or standard:
-            continue
-        unit = _stated_size(column, channel)
-        if unit is not None and (motion is None or motion in (units.fits(unit, channel) or Motion)):
-            called.setdefault(channel, []).append(Column(name, column, unit))
-    taken = {channel: columns[0] for channel, columns in called.items() if len(columns) == 1}
-    kinds = [units.fits(str(column.unit), channel) or {*Motion} for channel, column in taken.items()]
-    return taken if {*Motion}.intersection(*kinds) else {}
-
-
-def _stated_size(column: str, channel: str) -> str | None:
-    try:
-        return stated_unit(column, channel)
-    except InputError:  # counts and shares, whose size is asked for where the column is mapped
-        return None
-
-
 def overlooked_columns(found: Mapping[str, Column], present: Sequence[str]) -> dict[str, str]:
     """Return by channel the columns that nothing uses, and that look like a channel that was not found."""
     used = [found[channel].column for channel in _OF_THE_DRIVE if channel in found]
@@ -283,7 +260,7 @@ def unread_units(found: Mapping[str, Column]) -> dict[str, str]:
     for channel, column in found.items():
         if channel == "run" or channel.startswith(OTHER):
             continue
-        stated = _stated_size(column.column, channel)
+        stated = stated_size(column.column, channel)
         if column.unit:
             if stated is not None and units.differ(stated, column.unit, channel):
                 said[channel] = f"its name states '{stated}'"
@@ -314,7 +291,7 @@ def _measured_in(channels: Sequence[str], free: Sequence[str]) -> tuple[str, str
     stated = []
     for channel in channels:
         own = ALIASES.get(channel, channel)
-        found = ((name, _stated_size(name, own)) for name in free)
+        found = ((name, stated_size(name, own)) for name in free)
         stated += [(channel, name) for name, unit in found if unit is not None and units.fits(unit, own)]
     return stated[0] if len({name for _, name in stated}) == 1 else None
 

@@ -1,4 +1,4 @@
-"""Units that stand in the name of a column: ``Speed [rpm]``, ``pos_deg``, ``i (mA)``."""
+"""Units that stand in the name of a column: ``Speed [rpm]``, ``pos_deg``, ``i (mA)``, ``M/mNm``."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from fricmodels.readers.dates import states_order
 from fricmodels.recording import OTHER
 
 _BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$")
+_OVER = re.compile(r"^([^/]*[^/\s])\s*/\s*([^/\s].*)$")
+"""A quantity over its unit (DIN 1313)."""
 _LENGTHS = {
     **{name: name for name in ("rad", "mrad", "urad", "deg", "mdeg", "arcmin", "arcsec", "mm", "cm", "um", "nm")},
     "inch": "in",
@@ -96,9 +98,9 @@ class NoUnit(InputError):
 def stated_unit(column: str, channel: str) -> str | None:
     """Return the unit that a column's name states, or ``None``.
 
-    In brackets it may be any unit that is known; after an underscore, one of a list. What stands after an underscore
-    and does not measure the channel is no unit of it, but for a voltage or a current in place of a torque: those it
-    must not be taken for.
+    In brackets or behind a stroke it may be any unit that is known; after an underscore, one of a list. What stands
+    after an underscore or a stroke and does not measure the channel is no unit of it, but for a voltage or a current in
+    place of a torque: those it must not be taken for.
 
     Raises:
         InputError: where the brackets state counts or a share, whose size nobody can know.
@@ -127,12 +129,20 @@ def stated_unit(column: str, channel: str) -> str | None:
             f"the column '{column}' of the {what} states the unit '{found[1]}', which {why}; "
             f"give the unit, as in --column '{channel}={column}:UNIT'"
         )
-    for unit in _after_underscore(column):
+    for unit in (*_after_underscore(column), *_behind_stroke(column)):
         if unit in ("V", "A") and _NAMED_TORQUE.search(column):
             return None  # torque_A is that of an axis A, or phase A
         if _usable(unit, channel):
             return unit
     return None
+
+
+def stated_size(column: str, channel: str) -> str | None:
+    """Return :func:`stated_unit`, or ``None`` for counts and shares: their size is asked for where they are mapped."""
+    try:
+        return stated_unit(column, channel)
+    except InputError:
+        return None
 
 
 def _after_underscore(column: str) -> Iterator[str]:
@@ -142,6 +152,13 @@ def _after_underscore(column: str) -> Iterator[str]:
         any_case = end == end.lower()
         if column[: -len(end)].endswith("_") and (tail.lower() if any_case else tail) == end:
             yield unit
+
+
+def _behind_stroke(column: str) -> Iterator[str]:
+    """Yield what a quantity is divided by, as it is written."""
+    found = _OVER.match(column)
+    if found is not None:
+        yield found[2].replace("°", "deg")
 
 
 def doubtful(column: str) -> str | None:
@@ -168,8 +185,11 @@ def may_measure(column: str, channel: str) -> bool:
 
 
 def without_unit(column: str) -> str:
-    """Return a column's name without a unit at its end, in brackets or after an underscore."""
+    """Return a column's name without a unit at its end, in brackets, after an underscore or behind a stroke."""
     found = _BRACKETS.search(column)
+    over = _OVER.match(column)
+    if found is None and over is not None and units.known(over[2]):
+        return over[1]
     ends = [len(end) + 1 for end in _SUFFIXES if column.lower().endswith("_" + end.lower())]
     return column[: found.start() if found else len(column) - max(ends, default=0)].rstrip()
 

@@ -27,6 +27,7 @@ from fricmodels.readers.joined import joined
 from fricmodels.readers.registers import find_register
 from fricmodels.readers.two_part_stamps import with_whole_stamps
 from fricmodels.readers.vectors import unequal_lengths
+from fricmodels.readers.wrapped_clock import going_on
 from fricmodels.recording import OTHER, Recording
 from fricmodels.signals.jumps import mend_jumps
 from fricmodels.signals.outages import without_outages
@@ -91,12 +92,13 @@ def read(
     table = with_whole_stamps(_table(chosen, source, wanted))
     present = [str(column) for column in table.columns]
     try:
-        found, kind = assign(columns, present, motion)
+        stated = table.attrs.get("units", {})
+        found, kind = assign(columns, present, motion, stated)
         lengths = table.attrs.get("other_lengths", {})
         lacking = overlooked_columns(found, [*present, *lengths])
         overlooked = {channel: column for channel, column in lacking.items() if column in present}
         unequal = unequal_lengths(lengths, len(table), {*lacking.values()})
-        found = with_stated_units(found, table.attrs.get("units", {}))
+        found = with_stated_units(found, stated)
         converted = conversions(found, kind, torque_constant)
         further = {channel: units.further(column.unit) for channel, column in _further(found).items() if column.unit}
     except InputError as error:
@@ -106,14 +108,16 @@ def read(
     run, run_names = _runs(source, chosen, found, table)
     order = np.argsort(run, kind="stable")
     converted |= {channel: (channel, further.get(channel, (_AS_IT_IS, ""))[0]) for channel in _further(found)}
-    channels, registers = {}, {}
+    run = run[order]
+    channels, registers, clock = {}, {}, 0.0
     for channel, (column, conversion) in converted.items():
         values = numbers(source, chosen, table, found[column])[order]
+        if channel == "time":
+            values, clock = going_on(values, run)
         register = find_register(values) if column not in _COUNTED_ON else None
         if register is not None:
             registers[channel], values = str(register), register.signed(values)
         channels[channel] = conversion(values)
-    run = run[order]
     del table
     chosen.done()
     left: dict[str, Any] = {}
@@ -148,6 +152,7 @@ def read(
             **({"other_lengths": unequal} if unequal else {}),
             **({"unread_units": unread} if (unread := unread_units(found)) else {}),
             **({"registers": registers} if registers else {}),
+            **({"clock_period": clock} if clock else {}),
             **({"runs": run_names} if run_names else {}),
             **left,
             **({"torque_constant": torque_constant} if torque_constant is not None else {}),

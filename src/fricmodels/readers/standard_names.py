@@ -28,6 +28,8 @@ STANDARD: Mapping[Motion, Mapping[str, str]] = {Motion.ROTARY: ROTARY, Motion.LI
 """Standard column of each channel, by kind of motion."""
 
 ALIASES = {"force": "torque", "load_force": "load_torque"}
+NAMES = (*ROTARY, *ALIASES)
+"""All names of channels, those of a linear axis among them."""
 SPOKEN = {"speed": "velocity"}
 """Other names that a column with a unit may have."""
 
