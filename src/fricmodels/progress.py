@@ -48,13 +48,13 @@ class Progress:
         return replace(self, seconds=self.seconds + seconds)
 
     def __str__(self) -> str:
-        """Return it in one line: ``testing effects on coulomb-viscous: 12 of 25, 3.1/s, 4 s left``."""
+        """Return it in one line: ``testing effects on coulomb-viscous: 12 of 25, 3.1/s, 4 s left of this step``."""
         if not self.total:
             return self.stage
         known = ""
         if self.rate is not None and self.left is not None:
             rate = f"{self.rate:.0f}" if self.rate >= _WHOLE else f"{self.rate:.3g}"
-            known = f", {rate}/s, {self.left:.0f} s left"
+            known = f", {rate}/s, {self.left:.0f} s left of this step"
         return f"{self.stage}: {self.done} of {self.total}{known}"
 
 

@@ -33,7 +33,7 @@ def test_rate_and_time_left_are_those_of_the_parts() -> None:
     one = Progress("testing", done=5, total=20, seconds=2.5)
     assert one.rate == pytest.approx(2.0)
     assert one.left == pytest.approx(7.5)
-    assert str(one) == "testing: 5 of 20, 2/s, 8 s left"
+    assert str(one) == "testing: 5 of 20, 2/s, 8 s left of this step"
     assert str(Progress("fitting")) == "fitting"
     assert Progress("fitting").left is None
 
@@ -56,7 +56,10 @@ def test_parts_that_are_done_are_counted_and_there_are_never_more_than_said() ->
         done(3)
         done(9)
     assert [(one.stage, one.done, one.total) for one in seen] == [("summing", n, 5) for n in (0, 1, 4, 5)]
-    assert str(Progress("summing", 2_000_000, 4_000_000, 2.0)) == "summing: 2000000 of 4000000, 1000000/s, 2 s left"
+    assert (
+        str(Progress("summing", 2_000_000, 4_000_000, 2.0))
+        == "summing: 2000000 of 4000000, 1000000/s, 2 s left of this step"
+    )
     with steps("unwatched", 2) as done:
         done()
 

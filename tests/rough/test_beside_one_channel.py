@@ -23,6 +23,10 @@ from fricmodels.diagnosis import diagnose
         ("single", "directional-efficiency", 2, 5201, ("directional-efficiency", "stiffness", "torque-gain")),
         # Few steps hold it: rows are sure of it, and not of its gain.
         ("single", "nonlinear-viscous", 0, 7701, ("nonlinear-viscous",)),
+        # Few strokes pass a bump: what walks explains far less of it than the place does, and hid the offset.
+        ("beside", "bump", 3, 8101, ("torque-offset",)),
+        # A jump in the friction beside |acceleration|: a walk hid it that nothing but the other cause made.
+        pytest.param("beside", "absolute-acceleration", 5, 8301, ("step-change",), marks=pytest.mark.long),
         # Its falling part is zero, and its viscous part trades with the lag.
         ("single", "frictional-lag", 2, 8001, ("frictional-lag",)),
     ],

@@ -5,7 +5,7 @@ See :mod:`.supported` for the question, and for what a set and a description are
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -96,7 +96,7 @@ def support_of(result: CandidateTests, member: Member, others: list[Member], res
         return found
     if not found.is_large(result.policy):
         found = replace(found, over_all_motion=is_large_over_all_motion(result, member.found.first))
-    found = replace(found, p_beside_walk=p_beside_walk(result, member, others))
+    found = replace(found, p_beside_walk=p_beside_walk(result, member, others, rest))
     if not found.suffices(result.policy):
         return found
     return replace(found, another_form=_is_a_wave_of_another_form(result, member, others))
@@ -241,12 +241,13 @@ def _lies_within(result: CandidateTests, member: Member, beside: Array, parts: A
     return not len(columns) or outside(regression, torque[None], visible_of(regression, parts)) < result.policy.own_form
 
 
-def p_beside_walk(result: CandidateTests, member: Member, others: list[Member]) -> float:
+def p_beside_walk(result: CandidateTests, member: Member, others: list[Member], rest: Rest) -> float:
     """Return the p-value of an effect where friction or zero may walk.
 
     An effect of the time itself shows in slow waves over the record only. Any other one is there where nothing is seen
-    to walk, or if it shows in them, or outside of them: the lesser p-value counts twice. A description of the rest is
-    not beside it, nor is an effect of the time that a walk may be as well: they follow the walk, and hide it.
+    to walk, or if it shows in them, or outside of them: the lesser p-value counts twice. What may follow a walk, and
+    hide it, is not beside it: an effect of the time that a walk may be as well, and a channel of the rest that leaves
+    no less than the waves of walks do.
     """
     effect, trials = member.effect, member.found.first.found.trials
 
@@ -254,16 +255,35 @@ def p_beside_walk(result: CandidateTests, member: Member, others: list[Member]) 
         if not other.effect.depends_on_time:
             return True
         besides = without([*others, member], other)
-        return not effect.depends_on_time and p_beside_walk(result, other, besides) < result.policy.walk_significance
+        return (
+            not effect.depends_on_time and p_beside_walk(result, other, besides, rest) < result.policy.walk_significance
+        )
 
-    beside = stacked(result, [other for other in others if is_no_walk(other)])
-    base, waves = regression_of(result.problem, result.parameters, beside), waves_of_walks(result.problem)
+    beside, waves = stacked(result, [other for other in others if is_no_walk(other)]), waves_of_walks(result.problem)
+    beside = np.vstack([beside, *_that_are_no_walk(result, member, beside, waves, rest)])
+    base = regression_of(result.problem, result.parameters, beside)
     evidence = None if effect.depends_on_time else result.policy.walk_evidence
     within = trials * p_beside_a_walk(base, waves, member.columns, evidence=evidence)
     if effect.depends_on_time or 2.0 * within < result.policy.walk_significance:
         return min(1.0, within)
     outside = gain_of(result, np.vstack([beside, visible_of(base, waves)]), member).p_value
     return min(1.0, 2.0 * within, 2.0 * outside)
+
+
+def _that_are_no_walk(
+    result: CandidateTests, member: Member, beside: Array, waves: Array, rest: Rest
+) -> Iterator[Array]:
+    """Yield the parts of a description of the rest that leave less than all the waves of walks do, with fewer terms."""
+    base = regression_of(result.problem, result.parameters, np.vstack([beside, member.columns]))
+
+    def left(columns: Array) -> float:
+        seen = visible_of(base, columns)
+        return float(np.sum(base.test(seen).loss)) if len(seen) else float("inf")
+
+    walking = left(waves)
+    for name, part in zip(rest.channels, rest.parts, strict=False):
+        if name not in OF_TIME and len(part) < len(waves) and left(part) < walking:
+            yield part
 
 
 @dataclass(frozen=True)

@@ -226,7 +226,7 @@ def _judged_at_once(result: CandidateTests, members: list[Member], rest: Rest) -
         one_cause += further
     power = float(np.sum(acting(result.problem) ** 2))
     return Judgement(
-        tuple((_without_walks(result, m, without(members, m)), support) for m, support in judged),
+        tuple((_without_walks(result, m, without(members, m), rest), support) for m, support in judged),
         tuple(m.found for m in one_cause),
         (*rest.channels, *(f"'{m.effect.name}' at its search bound" for m in at_bound)),
         float(np.sqrt(floor(result.problem, policy) / power)),
@@ -234,14 +234,14 @@ def _judged_at_once(result: CandidateTests, members: list[Member], rest: Rest) -
     )
 
 
-def _without_walks(result: CandidateTests, member: Member, others: list[Member]) -> LookAlikes:
+def _without_walks(result: CandidateTests, member: Member, others: list[Member], rest: Rest) -> LookAlikes:
     """Return a class without those behind its first that a walk of friction may be as well."""
 
     def is_there(tested: CandidateTest) -> bool:
         if not tested.effect.depends_on_time:
             return True
         alone = member_of(result, LookAlikes(tested, (tested,)))
-        return p_beside_walk(result, alone, others) < result.policy.walk_significance
+        return p_beside_walk(result, alone, others, rest) < result.policy.walk_significance
 
     first = member.found.first
     return LookAlikes(first, tuple(t for t in member.found.members if t is first or is_there(t)))
