@@ -9,6 +9,7 @@ from fricmodels.diagnosis.policy import Policy
 from fricmodels.errors import FricmodelsError
 from fricmodels.progress import stage
 from fricmodels.results.words import NORMAL_95
+from fricmodels.split import WHOLE_RUNS
 from fricmodels.term import Effect
 from fricmodels.weakform.candidate import within_recording
 from fricmodels.weakform.search import is_at_end
@@ -38,8 +39,9 @@ class Refits:
         ``None`` where that fails, or where the effect comes out as nothing, as a slow change that is over at once, or
         as a delay that the free shift of the rows is as well, unless the error falls far: a smaller error is then not
         its doing. Nor is a friction that drives what it says it is, and of one of whose torques none is determined the
-        form is not known; nor of one so large that only another cancels it. And a model that has more in it does not
-        leave far more of what it was fitted to: what acts in samples that no row has is not known there.
+        form is not known, but for constants of runs that are kept back; nor of one so large that only another cancels
+        it. And a model that has more in it does not leave far more of what it was fitted to: what acts in samples that
+        no row has is not known there.
         """
         key = _key(tested)
         if key not in self._found:
@@ -51,7 +53,7 @@ class Refits:
             else:
                 own = next(e for e in fitted.drive.model.effects if e.name == tested.name)  # as it is beside others
                 useless = (
-                    is_undetermined(fitted, own.name)
+                    (is_undetermined(fitted, own.name) and not self._is_of_kept_back_runs(fitted, own))
                     or _is_over_at_once(fitted, own)
                     or self._is_within_free_shift(fitted, own)
                     or self._fits_far_worse(fitted)
@@ -79,6 +81,12 @@ class Refits:
         """Whether an effect that is a part of the friction makes of it one that drives, or is too large to be there."""
         drives = effect.friction and driving_share(fitted, self.policy.significance) > self.policy.driving_friction
         return drives or own_torque(fitted, effect) > self.policy.own_torque
+
+    def _is_of_kept_back_runs(self, fitted: Comparison, effect: Effect) -> bool:
+        """Whether an effect of each run is one of runs that are kept back whole: no run that is fitted tells of it."""
+        if effect.fitted_runs is None or not fitted.test.provenance.get(WHOLE_RUNS):
+            return False
+        return fitted.errors.held_out_percent <= self.policy.refit_share * self.comparison.errors.held_out_percent
 
     def _fits_far_worse(self, fitted: Comparison) -> bool:
         """Whether far more is left of what was fitted than without the effect, by the printed error."""

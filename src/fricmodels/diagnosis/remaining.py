@@ -21,6 +21,7 @@ from fricmodels.dimension import DISPLACEMENT, FORCE, Motion
 from fricmodels.recording import Recording
 from fricmodels.results.words import ALONG, END_STOP, HELD_AT_REST
 from fricmodels.signals import resting
+from fricmodels.split import WHOLE_RUNS
 from fricmodels.weakform.regression import to_order_by
 
 _NEAREST = 3
@@ -95,9 +96,13 @@ def remaining(
     size = percent / 100 * comparison.test.rms_torque
     worst = comparison.where[0]
     held = held_at_rest(comparison) if place is None and worst.regime == "rest" else ""
-    # Rows of motion do not tell which friction acts at rest: each is fitted then.
-    shown = [t for t in tested if np.any(t.found.kept)]
-    chosen = shown[:_NEAREST] + [t for t in shown[_NEAREST:] if held and t.effect.friction]
+    shown, whole = [t for t in tested if np.any(t.found.kept)], bool(comparison.test.provenance.get(WHOLE_RUNS))
+
+    def may_be_near(tested: CandidateTest) -> bool:
+        """Whether no row may show it: a friction at rest, or what a run that is kept back has by itself."""
+        return bool(held and tested.effect.friction) or (whole and bool(tested.effect.fitted_runs))
+
+    chosen = shown[:_NEAREST] + [t for t in shown[_NEAREST:] if may_be_near(t)]
     near, parameters = [], dict[str, int]()
     for candidate in chosen:
         other = refits.with_effect(candidate)
