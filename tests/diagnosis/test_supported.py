@@ -16,7 +16,7 @@ from fricmodels.diagnosis import compare, diagnose, examine, improve, rivals, su
 from fricmodels.diagnosis.basis_functions import basis_functions
 from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import SlidingErrors
-from fricmodels.diagnosis.effect_set import as_predictor, member_of
+from fricmodels.diagnosis.effect_set import Rest, as_predictor, member_of
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.predictability import passing_predictors
 from fricmodels.diagnosis.supported import judge
@@ -181,7 +181,8 @@ def test_a_look_alike_of_the_time_is_one_only_if_a_walk_would_not_do(made: Made,
     asymmetry, drift = sorted(result.tested, key=lambda tested: tested.name)
     found = member_of(result, LookAlikes(asymmetry, (asymmetry, drift)))
     assert drift.p_value < 0.01  # by itself it is significant
-    assert supported._without_walks(result, found, []).names == ["asymmetry", "drift"][: 1 + kept]
+    rest = Rest.of(result, [found])
+    assert supported._without_walks(result, found, [], rest).names == ["asymmetry", "drift"][: 1 + kept]
 
 
 @pytest.mark.parametrize("effect", ["drift", pytest.param("step-change", marks=pytest.mark.long)])

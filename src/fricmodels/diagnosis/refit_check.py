@@ -186,7 +186,7 @@ def _best(
     far = [t for _, _, t in trials if _leaves_far_less(refits, t, bound)]
     if not far:
         return None
-    judgement = judge(result, leave_out, LookAlikes(far[0], (far[0],)))
+    judgement = judge(result, leave_out, LookAlikes(far[0], (far[0],)), look_ahead=False)
     by_error = any(found.first is far[0] for found in most_of_the_error(refits, judgement))
     first = far[0] if by_error else _that_stands(refits, judgement, far, bound)
     if first is None:

@@ -125,13 +125,17 @@ class Judgement:
         return any(support.is_outpredicted(policy) for support in own)
 
 
-def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | None) -> Judgement:
+def judge(
+    result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | None, *, look_ahead: bool = True
+) -> Judgement:
     """Find the set of effects, and judge each beside the others and a description of the rest.
 
     Args:
         result: the tests of all candidates.
         leave_out: effects that are not considered.
         first: the effect that explains the residual best, with its look-alikes; ``None`` where none passes by itself.
+        look_ahead: whether sets are sought of which none shows by itself, where no effect stands; that takes as long as
+            all the rest, and more.
     """
     out, drive = set(leave_out), result.problem.drive
     # Several of a kind imitate anything together, as waves do a bump: others are sought once the first one stands.
@@ -143,8 +147,8 @@ def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | 
         walks = judgement.only_walks(result.policy)
         if walks:  # what they are look-alikes of may be there
             lasting = replace(result, tested=tuple(t for t in result.tested if t.name not in walks))
-            return judge(lasting, out | walks, select_effect(lasting))
-        judgement = _looked_ahead(firsts, out, judgement, rest)
+            return judge(lasting, out | walks, select_effect(lasting), look_ahead=look_ahead)
+        judgement = _looked_ahead(firsts, out, judgement, rest) if look_ahead else judgement
     several = _kinds([*drive.model.effects, *(found.first.effect for found in judgement.supported(result.policy))])
     if not several:
         return judgement
