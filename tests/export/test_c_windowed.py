@@ -83,6 +83,19 @@ def test_each_update_is_that_of_python(made: Callable[..., Recording], tmp_path:
     assert np.ptp(python[500:, 1]) > 0
 
 
+@pytest.mark.skipif(COMPILER is None, reason="there is no C compiler")
+def test_a_model_of_the_speed_alone_compiles_without_a_warning(made: Callable[..., Recording], tmp_path: Path) -> None:
+    """Its regressors need no signal of the sample but those that are given beside it."""
+    recording = made(samples=2000)
+    model = fricmodels.keep(fricmodels.compare(recording, "coulomb-viscous", 2.0))
+    text = export_model(model, "c", name="j", online="rls", recording=recording).text
+    (tmp_path / "j.h").write_text(text, encoding="ascii")
+    (tmp_path / "j.c").write_text(BODY, encoding="ascii")
+    options = ["-DCOLUMNS=1", "-DMEMORY=1", "-fsyntax-only", str(tmp_path / "j.c")]
+    done = subprocess.run([str(COMPILER), *STRICT, *options], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[:3000]
+
+
 def test_what_rls_cannot_do_in_c(made: Callable[..., Recording]) -> None:
     recording = made(samples=2000)
     model = fricmodels.keep(fricmodels.compare(recording, "coulomb-viscous+sensor-delay", 2.0))

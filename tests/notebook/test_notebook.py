@@ -29,6 +29,19 @@ FAILED = {
 }  # fmt: skip
 
 
+def test_a_recording_says_what_the_check_of_the_log_stops_at() -> None:
+    rng, time = np.random.default_rng(0), 0.002 * np.arange(4000)
+    velocity = 3.0 * np.sin(4.0 * time) + 2.0 * np.sin(9.0 * time)
+    rate = 12.0 * np.cos(4.0 * time) + 18.0 * np.cos(9.0 * time)
+    torque = 0.05 * rate + 0.1 * velocity + 0.6 * np.sign(velocity) + 0.01 * rng.standard_normal(len(time))
+    for sign, is_said in ((1.0, False), (-1.0, True)):
+        channels = {"time": time, "torque": sign * torque, "velocity": velocity}
+        recording = Recording("log", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
+        said = " ".join(repr(recording).split())
+        assert ("Stop: the torque has the wrong sign" in said) is is_said
+        assert ("wrong sign" in recording._repr_html_()) is is_said
+
+
 class Elements(HTMLParser):
     """The elements of a document, checked to be closed in order."""
 

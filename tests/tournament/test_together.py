@@ -68,6 +68,12 @@ def test_together_goes_with_files(folder: Path) -> None:
         load_config(config(folder, text))
 
 
+def test_files_that_are_all_fitted_are_no_test(folder: Path) -> None:
+    text = "\n  - {name: days, files: ['day*.csv'], together: true, test_files: [day1.csv]}\n"
+    with pytest.raises(InputError, match="takes no part in the fit"):
+        sources(load_config(config(folder, text)), folder)
+
+
 def test_a_test_file_has_no_offset_of_a_run_that_was_fitted(folder: Path, made: Callable[..., Recording]) -> None:
     """The test file is a third day, with a zero of its own, though it is the first run of its file."""
     own = made(samples=6000)

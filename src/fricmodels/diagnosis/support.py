@@ -244,23 +244,35 @@ def _lies_within(result: CandidateTests, member: Member, beside: Array, parts: A
 def p_beside_walk(result: CandidateTests, member: Member, others: list[Member], rest: Rest) -> float:
     """Return the p-value of an effect where friction or zero may walk.
 
-    An effect of the time itself shows in slow waves over the record only. Any other one is there where nothing is seen
-    to walk, or if it shows in them, or outside of them: the lesser p-value counts twice. What may follow a walk, and
-    hide it, is not beside it: an effect of the time that a walk may be as well, and a channel of the rest that leaves
-    no less than the waves of walks do.
+    What may follow a walk, and hide it, is not beside it: an effect of the time that a walk may be as well, and a
+    channel of the rest that leaves no less than the waves of walks do. One that leaves less is what is there, or in the
+    place of the effect: with it and without it, the lesser p-value counts twice.
     """
-    effect, trials = member.effect, member.found.first.found.trials
+    effect, waves = member.effect, waves_of_walks(result.problem)
 
     def is_no_walk(other: Member) -> bool:
         if not other.effect.depends_on_time:
             return True
         besides = without([*others, member], other)
-        return (
-            not effect.depends_on_time and p_beside_walk(result, other, besides, rest) < result.policy.walk_significance
-        )
+        if effect.depends_on_time:
+            return False
+        return p_beside_walk(result, other, besides, rest) < result.policy.walk_significance
 
-    beside, waves = stacked(result, [other for other in others if is_no_walk(other)]), waves_of_walks(result.problem)
-    beside = np.vstack([beside, *_that_are_no_walk(result, member, beside, waves, rest)])
+    beside = stacked(result, [other for other in others if is_no_walk(other)])
+    found = _p_beside_walk(result, member, beside, waves)
+    described = [*_that_are_no_walk(result, member, beside, waves, rest)]
+    if not described:
+        return found
+    return min(1.0, 2.0 * found, 2.0 * _p_beside_walk(result, member, np.vstack([beside, *described]), waves))
+
+
+def _p_beside_walk(result: CandidateTests, member: Member, beside: Array, waves: Array) -> float:
+    """Return the p-value of an effect beside given columns where friction or zero may walk.
+
+    An effect of the time itself shows in slow waves over the record only. Any other one is there where nothing is seen
+    to walk, or if it shows in them, or outside of them: the lesser p-value counts twice.
+    """
+    effect, trials = member.effect, member.found.first.found.trials
     base = regression_of(result.problem, result.parameters, beside)
     evidence = None if effect.depends_on_time else result.policy.walk_evidence
     within = trials * p_beside_a_walk(base, waves, member.columns, evidence=evidence)

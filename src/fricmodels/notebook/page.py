@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import singledispatch
 from html import escape
@@ -15,12 +15,15 @@ from fricmodels.diagnosis import Comparison, Diagnosis, Ladder
 from fricmodels.diagnosis.explain import explain
 from fricmodels.dimension import FORCE
 from fricmodels.fit import Fit
+from fricmodels.logcheck import Severity, findings
 from fricmodels.notebook.figures import drawn, figure_html
 from fricmodels.notebook.tables import Tables, tables
 from fricmodels.recording import Recording
 from fricmodels.tournament import Leaderboard
 
 _MOST_ROWS, _LINE = 60, 100
+_MOST_CHECKED = 500_000
+"""Samples of a recording that is checked where it shows itself: two seconds."""
 _IDENTITY = ("rank", "model", "estimator", "dataset")
 _FIGURES = {
     "held_out_rms_torque_error_percent": "test error [%]",
@@ -90,7 +93,14 @@ def _(recording: Recording) -> Story:
     said = (
         f"{len(recording)} samples in {runs} run{'s' * (runs > 1)}, {duration:.4g} s{rate}; {recording.motion.value}."
     )
-    return Story(f"Recording {recording.name}", said, tables(recording))
+    return Story(f"Recording {recording.name}", " ".join([said, *_what_is_the_matter(recording)]), tables(recording))
+
+
+def _what_is_the_matter(recording: Recording) -> Iterator[str]:
+    """Yield a sentence for each thing that the check of a log stops at or warns of; a long one is not checked here."""
+    for finding in findings(recording) if len(recording) <= _MOST_CHECKED else ():
+        if finding.severity is not Severity.NOTE:
+            yield f"{'Stop' if finding.severity is Severity.STOP else 'Warning'}: {finding}."
 
 
 @_story.register

@@ -6,6 +6,7 @@ import math
 import weakref
 from collections.abc import Callable, Hashable
 from dataclasses import replace
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -125,7 +126,7 @@ def _once(values: Array, asked: Hashable, find: Callable[[], Found]) -> Found:
     key = (id(values), float(values.sum()), asked)
     known = _known.get(key)
     if known is None or known[0]() is not values:
-        known = _known[key] = (weakref.ref(values, lambda _: _known.pop(key, None)), find())
+        known = _known[key] = (weakref.ref(values, partial(_known.pop, key)), find())
     found: Found = known[1]
     return found
 

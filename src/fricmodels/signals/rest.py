@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import weakref
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -79,12 +80,8 @@ def _motion(recording: Recording) -> _Motion:
     key = (*map(id, arrays), *shown)
     known = _known.get(key)
     if known is None or any(ref() is not array for ref, array in zip(known[0], arrays, strict=True)):
-
-        def forget(_: object) -> None:
-            _known.pop(key, None)
-
         found = _of_whole(recording) or _of_unlike_files(recording, _no_finer(recording, _found(recording)))
-        known = _known[key] = ([weakref.ref(array, forget) for array in arrays], found)
+        known = _known[key] = ([weakref.ref(array, partial(_known.pop, key)) for array in arrays], found)
     return known[1]
 
 

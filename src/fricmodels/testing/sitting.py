@@ -13,6 +13,7 @@ from typing import Any
 
 from fricmodels import plugins
 from fricmodels.errors import InputError, suggestion
+from fricmodels.plugins.registry import Failure
 from fricmodels.processes import end_with_parent
 from fricmodels.testing.controller_exam import ControllerExam
 from fricmodels.testing.estimator_exam import EstimatorExam
@@ -114,14 +115,23 @@ def named(name: str) -> list[tuple[str, str]]:
     ]
     found = [(kind, own) for kind, own, distribution in entries if name in (own, distribution)]
     if not found:
-        reasons = [str(failure) for failure in loaded.failures if name in (failure.distribution, failure.plugin)]
+        reasons = [str(failure) for failure in loaded.failures if name in _called(failure)]
         if reasons:
             raise InputError(reasons[0])
+        unknown = [str(failure) for failure in loaded.failures if failure.concerns is None]
+        if unknown:
+            raise InputError(f"nothing is registered as '{name}' ({'; '.join(unknown)})")
         known = {own for _, own, _ in entries} | {distribution for *_, distribution in entries}
         near = get_close_matches(name, known, cutoff=0.5)
         way_out = suggestion(name, known) if near else "; 'fricmodels list' and 'fricmodels plugins' show what is there"
         raise InputError(f"nothing is registered as '{name}'{way_out}")
     return found
+
+
+def _called(failure: Failure) -> set[str]:
+    """Return what somebody may call a plugin that is left out: its own names, and those of its classes."""
+    classes = (*([failure.concerns] if failure.concerns else []), *failure.lost)
+    return {failure.distribution, failure.plugin, *(name for _, name in classes)}
 
 
 def examine(kind: str, name: str, *, timeout: float = 120.0, thorough: bool = False) -> Iterator[Outcome]:

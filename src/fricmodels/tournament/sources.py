@@ -271,6 +271,8 @@ def _files(dataset: Dataset, directory: Path, common: Mapping[str, Any]) -> _Par
             "'test_files' goes with one training file, or with several that say 'together: true'; "
             "list the others as datasets of their own"
         )
+    if tests and {*map(os.path.realpath, tests)} <= {*map(os.path.realpath, found)}:
+        raise InputError("every one of 'test_files' is fitted, too; name a file that takes no part in the fit")
     reading = {
         "reader": dataset.reader,
         "columns": dataset.columns,

@@ -19,6 +19,7 @@ from fricmodels.arrays import Array, Index, Mask
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
+from fricmodels.once import FieldsOnly
 from fricmodels.recording import Recording
 from fricmodels.signals.creeping import held_while_creeping
 from fricmodels.signals.lost_samples import as_held
@@ -45,7 +46,7 @@ _FEW = 16.0
 
 
 @dataclass(frozen=True)
-class WeakFormProblem:
+class WeakFormProblem(FieldsOnly):
     """A drive, a recording, and its rows.
 
     Attributes:

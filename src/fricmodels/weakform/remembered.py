@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import threading
 import weakref
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from collections.abc import Callable, Hashable
 from itertools import count
 
 from fricmodels.arrays import Array, Index
+
+_NUMBERS = count()
+
+
+class _Owner(weakref.ref[object]):
+    """A reference to an owner of arrays, with its number."""
+
+    number: int
 
 
 class Room:
@@ -23,6 +31,18 @@ class Room:
         self._arrays: OrderedDict[tuple[int, Hashable], Array] = OrderedDict()
         self._keys: dict[int, set[Hashable]] = {}
         self._turn = threading.RLock()
+        self._owners: dict[int, _Owner] = {}
+        self._gone: deque[_Owner] = deque()
+
+    def owned_by(self, owner: object) -> int:
+        """Return the number of a new owner, whose arrays are forgotten some time after it is gone.
+
+        No code of Python's own runs when it goes: an interrupt within that would be lost.
+        """
+        reference = _Owner(owner, self._gone.append)
+        reference.number = next(_NUMBERS)
+        self._owners[reference.number] = reference
+        return reference.number
 
     def get(self, owner: int, key: Hashable) -> Array | None:
         """Return an array that is there."""
@@ -35,6 +55,8 @@ class Room:
     def put(self, owner: int, key: Hashable, array: Array) -> None:
         """Keep an array where it fits."""
         with self._turn:
+            while self._gone:
+                self._forget(self._gone.popleft().number)
             if array.nbytes > self.size or (owner, key) in self._arrays:
                 return
             self._arrays[owner, key] = array
@@ -43,12 +65,10 @@ class Room:
             while self._free < 0:
                 self._drop(*next(iter(self._arrays)))
 
-    def forget(self, owner: int) -> None:
-        """Let go of all arrays of an owner."""
-        with self._turn:
-            for key in [*self._keys.get(owner, ())]:
-                self._drop(owner, key)
-            self._keys.pop(owner, None)
+    def _forget(self, owner: int) -> None:
+        for key in [*self._keys.pop(owner, ())]:
+            self._drop(owner, key)
+        self._owners.pop(owner, None)
 
     def clear(self) -> None:
         """Let go of all arrays; what is asked for again is computed again."""
@@ -58,7 +78,7 @@ class Room:
 
     def _drop(self, owner: int, key: Hashable) -> None:
         self._free += self._arrays.pop((owner, key)).nbytes
-        self._keys[owner].discard(key)
+        self._keys.get(owner, set()).discard(key)
 
 
 INTEGRALS = Room(3 * 2**26)
@@ -72,12 +92,9 @@ class Remembered:
         room: bytes that all of them together may take, or the room that they share with those of others.
     """
 
-    _numbers = count()
-
     def __init__(self, room: int | Room) -> None:
         self._room = room if isinstance(room, Room) else Room(room)
-        self._own = next(self._numbers)
-        weakref.finalize(self, self._room.forget, self._own).atexit = False
+        self._own = self._room.owned_by(self)
 
     def __call__(self, key: Hashable, compute: Callable[[], Array]) -> Array:
         """Return the array of a key, which must not be written to."""

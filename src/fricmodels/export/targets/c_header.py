@@ -5,11 +5,10 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Callable, Iterable
-from typing import Any
 
 from fricmodels.errors import InputError
 from fricmodels.export.targets.c_filter import c_filter
-from fricmodels.export.targets.c_text import KEYWORDS, ascii_text, c_names, comment
+from fricmodels.export.targets.c_text import KEYWORDS, ascii_text, c_names, comment, mentions
 from fricmodels.export.targets.c_windowed import c_windowed
 from fricmodels.export.targets.validity import doubtful
 from fricmodels.filtering.problem import FilterProblem
@@ -165,7 +164,7 @@ class _Header:
             "torque", [*e.signals.values(), e.parameters, e.states, e.width], [e.torque], {"cse": True}
         )
         body = c_lines(function, self._inputs("s->"), [lambda i: "torque"])
-        unused = [name for name in ("p", "s", *(["z"] if self.states else [])) if not _mentions(body, name)]
+        unused = [name for name in ("p", "s", *(["z"] if self.states else [])) if not mentions(body, name)]
         memory = ", z: the internal states" if self.states else ""
         return "\n".join(
             [
@@ -211,7 +210,7 @@ class _Header:
         )
         size = len(model.states)
         begun = self._first([f"s->{self.signals[name]}" for name in needed], fields)
-        unused = [name for name in ("interval", "p") if not _mentions([*body, *begun], name)]
+        unused = [name for name in ("interval", "p") if not mentions([*body, *begun], name)]
         return "\n".join(
             [
                 "/* The friction torque at the next sample of a motion, an interval [s] after the last one. */",
@@ -264,7 +263,3 @@ class _Header:
 
 def _constant(text: str) -> Callable[[int], str]:
     return lambda i: text
-
-
-def _mentions(lines: Iterable[str], name: str) -> Any:
-    return re.search(rf"(?<![\w.>]){name}(?!\w)", "\n".join(lines))

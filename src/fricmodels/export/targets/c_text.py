@@ -104,3 +104,8 @@ def step(name: str, function: Any, taken: Sequence[str], places: Sequence[Callab
             "}",
         ]
     )
+
+
+def mentions(lines: Iterable[str], name: str) -> bool:
+    """Whether lines of C mention a variable of a name."""
+    return re.search(rf"(?<![\w.>]){name}(?!\w)", "\n".join(lines)) is not None

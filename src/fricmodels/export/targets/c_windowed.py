@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fricmodels.drive import SHARE_OF_REST
 from fricmodels.errors import InputError
-from fricmodels.export.targets.c_text import ascii_text, c_names, comment, step, table
+from fricmodels.export.targets.c_text import ascii_text, c_names, comment, mentions, step, table
 from fricmodels.filtering.windowed import RESTING, WindowedRegression
 from fricmodels.kernels.c_source import c_lines, literal
 
@@ -131,7 +131,7 @@ static inline void {n}_online_begin({n}_online *filter) {{
             ],
             [lambda i: f"column[{i}]", lambda i: "*offset"],
         )
-        unused = [v for v in ("s", "velocity", "acceleration", "column") if not any(v in line for line in body)]
+        unused = [v for v in ("s", "velocity", "acceleration", "column") if not mentions(body, v)]
         return "\n".join(
             [
                 f"static inline void {n}_online_regressors(const {n}_online_sample *s, double velocity,",
