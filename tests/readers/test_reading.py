@@ -254,3 +254,8 @@ def test_a_clock_that_is_not_iso_is_told_how_to_be_read(tmp_path, stamp):
     with pytest.raises(InputError, match=r"ISO 8601 .* --column time=row:2ms"):
         read(path)
     assert read(path, columns=["time=row:2ms"]).interval == pytest.approx(2e-3)
+
+
+def test_what_is_no_path_is_refused_in_one_line() -> None:
+    with pytest.raises(InputError, match="read takes the path of a file, got a dict; write a table to a file first"):
+        read({"time_s": [0.0, 1.0]})  # type: ignore[arg-type]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import re
 import stat
 from collections.abc import Mapping, Sequence
@@ -82,6 +83,8 @@ def read(
     Raises:
         InputError: for a file that is not there or holds nothing usable; one line with the place and the way out.
     """
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"read takes the path of a file, got a {type(path).__name__}; write a table to a file first")
     source = Path(path)
     check_file(source)
     chosen = reader_of(source, reader)
