@@ -42,6 +42,13 @@ def test_a_recording_says_what_the_check_of_the_log_stops_at() -> None:
         assert ("wrong sign" in recording._repr_html_()) is is_said
 
 
+def test_a_recording_that_is_too_long_to_be_checked_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fricmodels.notebook.page._MOST_CHECKED", 10)
+    time = 0.01 * np.arange(20.0)
+    recording = Recording("log", Motion.ROTARY, dict.fromkeys(("time", "torque", "velocity"), time), np.zeros(20, int))
+    assert "too long to be checked here; 'fricmodels info' does it." in " ".join(repr(recording).split())
+
+
 class Elements(HTMLParser):
     """The elements of a document, checked to be closed in order."""
 

@@ -12,6 +12,7 @@ import pytest
 
 from fricmodels.errors import InputError
 from fricmodels.readers import read
+from fricmodels.readers.blocks import blocks
 
 TIME = 0.01 * np.arange(300)
 COSINE = np.cos(TIME)
@@ -57,3 +58,16 @@ def test_what_is_no_number_is_one_line(tmp_path: Path, column: str, values: Any,
 def test_runs_may_be_named_by_bytes(tmp_path: Path) -> None:
     recording = read(written(tmp_path, run=[b"\xff"] * 150 + [b"\xfe"] * 150))
     assert list(np.bincount(recording.run)) == [150, 150]
+
+
+def test_blocks_take_the_names_above_stated_units_as_reading_does(tmp_path: Path) -> None:
+    pa, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    table = pa.table({"Time": 1000.0 * TIME, "Torque": np.sin(TIME), "Speed": 60.0 * COSINE})
+    stated = {"Time": b"ms", "Torque": b"mN*m", "Speed": b"rpm"}
+    fields = [field.with_metadata({b"unit": stated[field.name]}) for field in table.schema]
+    path = tmp_path / "log.parquet"
+    parquet.write_table(table.cast(pa.schema(fields)), path)
+    whole, (block,) = read(path), blocks(path).of(["time", "torque", "velocity"])
+    for channel in ("time", "torque", "velocity"):
+        np.testing.assert_allclose(block.channels[channel], whole[channel], rtol=1e-12)
+    assert whole.velocity.max() == pytest.approx(2 * np.pi, rel=1e-3)

@@ -10,6 +10,7 @@ import pytest
 from fricmodels.errors import InputError
 from fricmodels.logcheck import findings
 from fricmodels.readers import read
+from fricmodels.readers.wrapped_clock import going_on
 
 STEP = 1e-3
 
@@ -56,6 +57,13 @@ def test_a_clock_that_begins_anew_elsewhere_is_refused(last: int, first: int, tm
     stamps = np.concatenate([np.arange(last - 2000.0, last + 1.0), first + np.arange(2000.0)])
     with pytest.raises(InputError, match="the time goes back"):
         read(write(tmp_path / "log.csv", stamps, "ms"))
+
+
+def test_each_run_counts_its_own_wraps() -> None:
+    time = np.array([65_534.0, 65_535.0, 0.0, 1.0, 5.0, 6.0, 7.0])
+    found, period = going_on(time, np.array([0, 0, 0, 0, 1, 1, 1]))
+    assert period == 65_536.0
+    np.testing.assert_array_equal(found, [65_534.0, 65_535.0, 65_536.0, 65_537.0, 5.0, 6.0, 7.0])
 
 
 def test_a_run_begins_anew_and_nothing_goes_on(tmp_path: Path) -> None:

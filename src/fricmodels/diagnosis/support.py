@@ -286,6 +286,9 @@ def _that_are_no_walk(
     result: CandidateTests, member: Member, beside: Array, waves: Array, rest: Rest
 ) -> Iterator[Array]:
     """Yield the parts of a description of the rest that leave less than all the waves of walks do, with fewer terms."""
+    parts = [p for name, p in zip(rest.channels, rest.parts, strict=False) if name not in OF_TIME]
+    if not parts:
+        return
     base = regression_of(result.problem, result.parameters, np.vstack([beside, member.columns]))
 
     def left(columns: Array) -> float:
@@ -293,9 +296,7 @@ def _that_are_no_walk(
         return float(np.sum(base.test(seen).loss)) if len(seen) else float("inf")
 
     walking = left(waves)
-    for name, part in zip(rest.channels, rest.parts, strict=False):
-        if name not in OF_TIME and len(part) < len(waves) and left(part) < walking:
-            yield part
+    yield from (part for part in parts if len(part) < len(waves) and left(part) < walking)
 
 
 @dataclass(frozen=True)

@@ -97,8 +97,11 @@ def _(recording: Recording) -> Story:
 
 
 def _what_is_the_matter(recording: Recording) -> Iterator[str]:
-    """Yield a sentence for each thing that the check of a log stops at or warns of; a long one is not checked here."""
-    for finding in findings(recording) if len(recording) <= _MOST_CHECKED else ():
+    """Yield a sentence for each thing that the check of a log stops at or warns of."""
+    if len(recording) > _MOST_CHECKED:
+        yield "It is too long to be checked here; 'fricmodels info' does it."
+        return
+    for finding in findings(recording):
         if finding.severity is not Severity.NOTE:
             yield f"{'Stop' if finding.severity is Severity.STOP else 'Warning'}: {finding}."
 

@@ -150,8 +150,9 @@ def blocks(
         schema = pyarrow.parquet.read_schema(source)
     check_size(source, metadata)
     try:
-        found, kind = assign(columns, schema.names, motion)
-        found = with_stated_units(found, stated_units(schema))
+        stated = stated_units(schema)
+        found, kind = assign(columns, schema.names, motion, stated)
+        found = with_stated_units(found, stated)
         given = conversions(found, kind, torque_constant)
     except InputError as error:
         raise InputError(f"{source}: {error}") from None

@@ -30,8 +30,6 @@ from fricmodels.readers.own_names import by_own_names
 from fricmodels.readers.standard_names import ALIASES, LINEAR, NAMES, STANDARD, standard_columns
 from fricmodels.recording import OTHER
 
-"""Channel names that a mapping may use; ``force`` and ``load_force`` are those of a linear axis."""
-
 Mapped = Sequence[str] | Mapping[str, str | Mapping[str, str]]
 """Mappings as ``CHANNEL=COLUMN[:UNIT]``, or by channel; those of further channels under ``other``."""
 

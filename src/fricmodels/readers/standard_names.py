@@ -29,7 +29,7 @@ STANDARD: Mapping[Motion, Mapping[str, str]] = {Motion.ROTARY: ROTARY, Motion.LI
 
 ALIASES = {"force": "torque", "load_force": "load_torque"}
 NAMES = (*ROTARY, *ALIASES)
-"""All names of channels, those of a linear axis among them."""
+"""Channel names that a mapping may use; ``force`` and ``load_force`` are those of a linear axis."""
 SPOKEN = {"speed": "velocity"}
 """Other names that a column with a unit may have."""
 

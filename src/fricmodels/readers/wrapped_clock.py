@@ -39,9 +39,11 @@ def going_on(time: Array, run: Index) -> tuple[Array, float]:
     for begin, period in _clocks():
         end = begin + period
         if np.all((last < end) & (last > end - near) & (first >= begin) & (first < begin + near)):
-            times = np.zeros(len(time))
-            times[back + 1] = 1.0
-            return time + period * np.cumsum(times), period
+            begun = np.zeros(len(time))
+            begun[back + 1] = 1.0
+            times = np.cumsum(begun)
+            times -= times[np.searchsorted(run, run)]  # each run counts its own
+            return time + period * times, period
     return time, 0.0
 
 

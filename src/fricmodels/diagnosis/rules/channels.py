@@ -51,9 +51,11 @@ class ChannelRules(Rules):
     walk_significance: float = rule(
         0.01,
         "probability",
-        "An effect must be there at this level though friction or zero may walk (`walk.py`).",
+        "An effect must be there at this level though friction or zero may walk (`walk.py`); with a channel that "
+        "explains more than the waves of walks, or without it.",
         "Statistic, equal to significance. Of 169 rough drives with such an effect or a walk it keeps off seven wrong "
-        "names and no right one that matters.",
+        "names and no right one that matters. The channel gives three right names and two wrong ones, and takes a "
+        "wrong one, on 494 with a cause off the list (docs/decisions/unknown.md).",
         off=1.1,
     )
     walk_evidence: float = rule(
