@@ -20,6 +20,7 @@ from fricmodels.diagnosis.in_its_place import in_its_place
 from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.diagnosis.passive import drives_from
 from fricmodels.diagnosis.remarks import remarks_on
+from fricmodels.diagnosis.runs_apart import runs_apart
 from fricmodels.diagnosis.shift import shift_within_sampling
 from fricmodels.diagnosis.verdict import torque_share
 from fricmodels.dimension import INERTIA, Motion
@@ -111,6 +112,7 @@ def _facts(comparison: Comparison, found: Sequence[Effect] = (), last: Compariso
         "beyond_range": beyond_range(comparison),
         "friction_drives_from": drives_from(last or comparison),
         "offsets_of_runs": comparison.offsets_of_runs,
+        "runs_apart": runs_apart(last or comparison),
         "integrated_position": over_position and "position" in comparison.train.derived,
         "rms_torque_error": facts.TorqueError(
             SI=errors.SI,

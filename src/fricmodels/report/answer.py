@@ -229,6 +229,12 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
         often = rest.channel.removeprefix(LINE).strip()
         text = f"Find what goes at {often} (a pump, a fan, another machine), and record it or stop it. To see it:"
         return text, command_line(data, "compare", model, [*_common(options), "--report", "error.html"])
+    if rest is not None and data.runs_apart is not None:
+        alone = data.model_copy(update={"recording": data.recording.of_first_file()})
+        text = "Diagnose each run by itself, or record what differs between them (a temperature, a load)."
+        if alone.recording == data.recording:
+            return text, ""
+        return f"{text} For the first file:", command_line(alone, "diagnose", data.model, options)
     if rest is not None:
         best, laws = _worth_a_try(data, rest), _laws(rest)
         if best is not None:

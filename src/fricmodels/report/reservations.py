@@ -19,7 +19,7 @@ _ONE_WINDOW = 0.05
 
 def reservations(data: ComparisonDocument) -> str:
     """Return sentences, each with a space before it; empty where there are none."""
-    return _of_other_runs(data) + _of_position(data) + _of_speed(data)
+    return _of_runs_apart(data) + _of_other_runs(data) + _of_position(data) + _of_speed(data)
 
 
 def as_promised(data: ComparisonDocument) -> str:
@@ -51,6 +51,22 @@ def beyond_range(data: ComparisonDocument) -> str:
             f"{form(one.greatest, '.3g')} {one.unit}, where the numbers were fitted: there the model is a guess."
         )
     return words
+
+
+def _of_runs_apart(data: ComparisonDocument) -> str:
+    apart = data.runs_apart
+    if apart is None:
+        return ""
+    differ = "; ".join(
+        f"{one.key} is {form(one.least, '.3g')} in {one.least_run} and {form(one.greatest, '.3g')}"
+        f"{' ' if one.unit else ''}{one.unit} in {one.greatest_run}"
+        for one in apart.parameters
+    )
+    return (
+        f" The {apart.runs} runs are not alike: fitted each by itself they leave {percent(apart.percent)}, together "
+        f"{percent(apart.together_percent)}{': ' if differ else ''}{differ}. Are they of one drive, one load, one "
+        "temperature, one unit?"
+    )
 
 
 def _of_other_runs(data: ComparisonDocument) -> str:

@@ -154,6 +154,10 @@ class RecordingFacts(Part):
         """The files that it was read from; none where it was made in a program."""
         return self.files or ((self.source,) if self.source else ())
 
+    def of_first_file(self) -> RecordingFacts:
+        """Return the same without all files but the first; itself where there is one."""
+        return self.model_copy(update={"files": self.files[:1]}) if self.files and len(self.files) > 1 else self
+
 
 class BeyondRange(Part):
     """A channel of a model that is taken further than where its numbers were fitted."""
@@ -168,6 +172,37 @@ class BeyondRange(Part):
     """The same."""
     unit: str
     """Of both."""
+
+
+class OfRuns(Part):
+    """A parameter that runs of one recording, each fitted by itself, do not agree on."""
+
+    key: str
+    """Its key."""
+    unit: str
+    """Its unit."""
+    least: Number
+    """Its least value."""
+    least_run: str
+    """The run that has it: a file, or a name."""
+    greatest: Number
+    """Its greatest value."""
+    greatest_run: str
+    """The run that has it."""
+
+
+class RunsApart(Part):
+    """Runs that leave much less of a model if each has parameters of its own."""
+
+    runs: int
+    """How many there are."""
+    together_percent: Number
+    """Error with one set of parameters for all, of what was fitted and of runs that were kept back whole
+    [% of their RMS motor torque]."""
+    percent: Number
+    """The same with one set for each run [% of their RMS motor torque]."""
+    parameters: tuple[OfRuns, ...] = ()
+    """Those that differ most, the most certain first."""
 
 
 class Step(Part):
@@ -230,6 +265,8 @@ class ComparisonDocument(ResultDocument):
     """Speed beyond the recorded ones from which the friction of the last model would drive [rad/s or m/s]."""
     offsets_of_runs: int = 0
     """Of so many runs the offset is taken from the run itself: the model is not known to have been fitted to them."""
+    runs_apart: RunsApart | None = None
+    """What is left of the last model if each run has parameters of its own, where that is much less."""
     integrated_position: bool = False
     """Whether what is in the model, or missing, goes with a position that is the integral of the velocity."""
     rms_torque_error: TorqueError
