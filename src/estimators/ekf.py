@@ -75,7 +75,7 @@ def _filterpy(problem: FilterProblem) -> Any:
     n = problem.order
     prediction = Scan(prediction_step(problem.space))
     observed = np.zeros((1, n))
-    observed[0, 0] = 1.0
+    observed[0, problem.measured] = 1.0
 
     class Filter(ExtendedKalmanFilter):  # type: ignore[misc]
         def predict_x(self, u: Any = 0) -> None:
@@ -88,7 +88,7 @@ def _filterpy(problem: FilterProblem) -> Any:
             self.predict(np.concatenate([[duration], inputs]))
 
         def observe(self, measured: float) -> tuple[float, float]:
-            self.update(np.array([measured]), lambda _: observed, lambda x: x[:1])
+            self.update(np.array([measured]), lambda _: observed, lambda x: x[problem.measured, None])
             return float(self.y.item()), float(self.S.item())
 
     kalman = Filter(dim_x=n, dim_z=1)

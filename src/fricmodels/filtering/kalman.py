@@ -6,13 +6,13 @@ import itertools
 import math
 from abc import abstractmethod
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
 from fricmodels.arrays import Array
-from fricmodels.dimension import VELOCITY, Scales
+from fricmodels.dimension import DISPLACEMENT, VELOCITY, Scales
 from fricmodels.drive import Drive
 from fricmodels.estimator import Estimator, EstimatorSettings, Solution
 from fricmodels.filtering.bounds import bounded, normalised_bounds
@@ -23,6 +23,7 @@ from fricmodels.filtering.preparation import (
     dominant_frequency,
     paper_scales,
     peak_speed,
+    position_noise,
     scanned_guess,
     velocity_noise,
 )
@@ -36,6 +37,8 @@ from fricmodels.simulation import Between
 _FARTHEST = 3.0
 """How many initial standard deviations a parameter may move from its start."""
 _CALIBRATION_SAMPLES = 20_000
+_UNKNOWN = 0.1
+"""Standard deviation of the velocity where a run begins and positions are measured, as a share of the peak speed."""
 _MODEL_NOISE = (0.0, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
 _NOISE_FACTORS = (0.5, 0.7, 1.0, 1.4, 2.0)
 _PRIOR_FACTORS = (1.0, 0.3, 0.1)
@@ -58,7 +61,12 @@ class KalmanSettings(EstimatorSettings):
     drift: float = Field(0.0, ge=0, description="random walk of each parameter in a cycle, over its initial deviation")
     initial_inertia_deviation: float = Field(0.3, gt=0, description="relative, where the inertia is estimated")
     substeps: int | None = Field(None, ge=1, description="steps between samples; by stability where not given")
-    torque: Between = Field("linear", description="motor torque between samples: linear, or held")
+    torque: Between | None = Field(
+        None, description="motor torque between samples: linear, or held; by likelihood where not given"
+    )
+    measured: Literal["velocity", "position"] | None = Field(
+        None, description="what is measured: the velocity, or the position where the velocity is derived from it"
+    )
 
 
 class KalmanEstimator(Estimator):
@@ -67,7 +75,8 @@ class KalmanEstimator(Estimator):
     Starts from a regression (nonlinear parameters from their scan), with standard deviations as wide as the torque
     itself. The noise of the measurement and of the model are those, on a grid, under which the innovations of an
     extended filter over the first 20 000 samples are likeliest; so is, for laws with nonlinear parameters, how wide it
-    starts.
+    starts, and whether the torque is held between samples. Where the velocity was derived from a position that one is
+    measured.
     """
 
     Settings: ClassVar[type[EstimatorSettings]] = KalmanSettings
@@ -79,7 +88,7 @@ class KalmanEstimator(Estimator):
 
     def solve(self, drive: Drive, recording: Recording, seed: int) -> Solution:
         """Filter the recording; see the class."""
-        problem = self.problem(drive, recording)
+        problem = self.problem(drive, recording, by_position=self._by_position(recording))
         trajectory = self.run(problem, recording)
         if trajectory.diverged_at is not None:
             return diverged(problem, trajectory)
@@ -90,11 +99,24 @@ class KalmanEstimator(Estimator):
             notes={"noise": _noise(problem)},
         )
 
-    def problem(self, drive: Drive, recording: Recording) -> FilterProblem:
-        """Return the filter before its first sample: scales, step, noise, bounds and start."""
+    def _by_position(self, recording: Recording) -> bool:
+        """Whether the position is measured, and the velocity no more than what was derived from it."""
+        settings = self.settings
+        if settings.measured is not None:
+            return bool(settings.measured == "position")
+        return settings.velocity_noise is None and "velocity" in recording.derived and "position" in recording
+
+    def problem(self, drive: Drive, recording: Recording, *, by_position: bool = False) -> FilterProblem:
+        """Return the filter before its first sample: scales, step, noise, bounds and start.
+
+        Args:
+            drive, recording: what is filtered.
+            by_position: whether its samples are positions, not velocities. A derived velocity has noise of a colour
+                that no such filter knows, and errors where a run begins: it takes them for motion.
+        """
         settings = self.settings
         scales = paper_scales(drive, recording)
-        space = normalised_space(drive)
+        space = normalised_space(drive, by_position=by_position)
         size = drive.parameter_scales(scales)
         lower, upper = normalised_bounds(drive, scales)
         guess = scanned_guess(drive, recording)
@@ -108,7 +130,7 @@ class KalmanEstimator(Estimator):
         start = np.where(linear, np.clip(start, -largest, largest), start)
         lower = np.maximum(lower, start - _FARTHEST * deviation)
         upper = np.minimum(upper, start + _FARTHEST * deviation)
-        noise = (settings.velocity_noise or velocity_noise(recording)) / scales.of(VELOCITY)
+        noise, begins = self._noise(recording, scales, by_position=by_position)
         memory = [state.initial / scales.of(state.dimension) for state in drive.model.states]
         problem = FilterProblem(
             drive=drive,
@@ -120,16 +142,31 @@ class KalmanEstimator(Estimator):
             walk=np.concatenate([np.zeros(space.moving), (settings.drift * deviation) ** 2 / (2 * np.pi)]),
             lower=lower,
             upper=upper,
-            initial_states=initial_states(drive, scales),
+            initial_states=initial_states(drive, scales, by_position=by_position),
             initial_parameters=start,
-            initial_covariance=np.diag([noise**2, *(1e-6 + np.square(memory)), *deviation**2]),
+            initial_covariance=np.diag([*begins[:1], *(1e-6 + np.square(memory)), *begins[1:], *deviation**2]),
             substeps=settings.substeps or stable_substeps(drive, recording, scales),
-            hold=settings.torque,
+            hold=settings.torque or "linear",
         )
-        return self._calibrated(problem, recording)
+        found, score = self._calibrated(problem, recording)
+        if settings.torque is None:
+            held, likelier = self._calibrated(replace(problem, hold="held"), recording)
+            found = held if likelier > score + _INDISTINCT else found
+        return found
 
-    def _calibrated(self, problem: FilterProblem, recording: Recording) -> FilterProblem:
-        """Return the problem with the noise under which the innovations are likeliest, started where that run ends."""
+    def _noise(self, recording: Recording, scales: Scales, *, by_position: bool) -> tuple[float, list[float]]:
+        """Return the deviation of what is measured, and the variances of velocity and position where a run begins."""
+        if not by_position:
+            noise = (self.settings.velocity_noise or velocity_noise(recording)) / scales.of(VELOCITY)
+            return noise, [noise**2]
+        noise = position_noise(recording) / scales.of(DISPLACEMENT)
+        return noise, [(_UNKNOWN * peak_speed(recording) / scales.of(VELOCITY)) ** 2, noise**2]
+
+    def _calibrated(self, problem: FilterProblem, recording: Recording) -> tuple[FilterProblem, float]:
+        """Return the problem with the noise under which the innovations are likeliest, and how likely they are then.
+
+        It is started where that run ends, unless this makes them less likely.
+        """
         settings, scales = self.settings, problem.scales
         part = (
             recording if len(recording) <= _CALIBRATION_SAMPLES else recording.select(np.arange(_CALIBRATION_SAMPLES))
@@ -152,12 +189,12 @@ class KalmanEstimator(Estimator):
             tried.append((log_likelihood(trajectory), level, candidate, trajectory.memory))
         likeliest = max(score for score, *_ in tried)
         if likeliest == -math.inf:
-            return tried[0][2]
+            return tried[0][2], likeliest
         likely = [entry for entry in tried if entry[0] >= likeliest - _INDISTINCT]
         smallest = min(level for _, level, *_ in likely)
         score, _, chosen, memory = max((e for e in likely if e[1] == smallest), key=lambda entry: entry[0])
         again = replace(chosen, initial_parameters=memory[problem.moving : problem.order])
-        return again if log_likelihood(again.run(part)) >= score else chosen
+        return again if log_likelihood(again.run(part)) >= score else chosen, likeliest
 
 
 def _narrowed(problem: FilterProblem, factor: float) -> Array:
@@ -193,8 +230,9 @@ def log_likelihood(trajectory: Trajectory) -> float:
 def _noise(problem: FilterProblem) -> dict[str, float]:
     """Return the noise that the filter was given, in SI."""
     velocity = problem.scales.of(VELOCITY)
+    what, size = ("position", problem.scales.of(DISPLACEMENT)) if problem.measured else ("velocity", velocity)
     return {
-        "velocity": float(np.sqrt(problem.measurement) * velocity),
+        what: float(np.sqrt(problem.measurement) * size),
         "model": float(np.sqrt(problem.walk[0] / problem.scales.time) * velocity),
     }
 
@@ -206,7 +244,8 @@ def kalman_step(space: NormalisedSpace, drive: Drive) -> Any:
         \hat x^- = f(\hat x, u),\; P^- = F P F^T + W\Delta t;\quad
         K = P^- H / (H^T P^- H + R),\; \hat x = \hat x^- + K (y - \hat x^-_1),\; P = P^- - K (H^T P^- H + R) K^T
 
-    with H = [1, 0, …, 0]ᵀ, the measured velocity; the update is left out where the weight of the row is zero.
+    with H = [1, 0, …, 0]ᵀ, the measured velocity, or 1 at the position; the update is left out where the weight of the
+    row is zero.
 
     State: ``[x; lower triangle of P]``. Input: ``[Δt, weight, y, u…]``.
     Constants: those of :attr:`FilterProblem.constants`.
@@ -221,15 +260,15 @@ def kalman_step(space: NormalisedSpace, drive: Drive) -> Any:
     w = casadi.SX.sym("W", n)
     lower, upper = casadi.SX.sym("lower", n - moving), casadi.SX.sym("upper", n - moving)
 
-    predicted = symbolic_prediction(step.jacobian, covariance, step.duration * w)
-    spread = predicted[0, 0] + r
+    predicted, at = symbolic_prediction(step.jacobian, covariance, step.duration * w), space.measured
+    spread = predicted[at, at] + r
     measured = casadi.sign(weight)
-    gain = predicted[:, 0] * (measured / spread)
-    innovation = y - step.following[0]
+    gain = predicted[:, at] * (measured / spread)
+    innovation = y - step.following[at]
     estimate = step.following + gain * innovation
-    posterior = predicted - casadi.mtimes(gain, predicted[0, :])
-    kept = predicted[0, :] * ((r + (1 - measured) * predicted[0, 0]) / spread)
-    posterior[0, :], posterior[:, 0] = kept, kept.T
+    posterior = predicted - casadi.mtimes(gain, predicted[at, :])
+    kept = predicted[at, :] * ((r + (1 - measured) * predicted[at, at]) / spread)
+    posterior[at, :], posterior[:, at] = kept, kept.T
     posterior += casadi.diag(_ROUNDING * casadi.diag(predicted))
     estimate = bounded(estimate, posterior, lower, upper, drive)
     return casadi.Function(

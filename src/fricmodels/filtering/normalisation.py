@@ -7,7 +7,7 @@ are symbols, so that one compiled step serves every drive with the same model.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -26,7 +26,8 @@ class NormalisedSpace:
         x: velocity, internal states, parameters. u: inputs. rate: g. output: h.
         known: column of numbers that do not change while filtering; :meth:`values` gives them.
         creeping: normalised speed that stands for the limit of rest, in each direction.
-        inputs: names of the inputs. states: names of velocity and internal states.
+        inputs: names of the inputs. states: names of velocity and internal states, and of the position where it is one.
+        measured: the place in x of what is measured: the velocity, or the position.
     """
 
     x: Any
@@ -37,10 +38,11 @@ class NormalisedSpace:
     output: Any
     inputs: tuple[str, ...]
     states: tuple[str, ...]
+    measured: int = 0
 
     @property
     def moving(self) -> int:
-        """How many of x are velocity and internal states."""
+        """How many of x are no parameters."""
         return len(self.states)
 
     def values(self, drive: Drive, scales: Scales, width: float) -> Array:
@@ -52,8 +54,13 @@ class NormalisedSpace:
         return np.array([width, inertia, scales.time, *sizes])
 
 
-def normalised_space(drive: Drive) -> NormalisedSpace:
-    """Build the state space of a drive in normalised units."""
+def normalised_space(drive: Drive, *, by_position: bool = False) -> NormalisedSpace:
+    """Build the state space of a drive in normalised units.
+
+    Args:
+        drive: the drive.
+        by_position: whether the position, counted from where a run begins, is a state and measured, not the velocity.
+    """
     import casadi
 
     space = Drive(drive.model, None, drive.motion).state_space()
@@ -68,7 +75,7 @@ def normalised_space(drive: Drive) -> NormalisedSpace:
     old = casadi.vertcat(space.x, space.u)
     new = casadi.vertcat(complete, u * sizes[len(kept) :])
     rate, output = casadi.substitute([space.rate, space.output], [old], [new])
-    return NormalisedSpace(
+    found = NormalisedSpace(
         x=x,
         u=u,
         known=casadi.vertcat(space.width, given, time, sizes),
@@ -77,4 +84,20 @@ def normalised_space(drive: Drive) -> NormalisedSpace:
         output=output / size[0],
         inputs=space.inputs,
         states=space.states,
+    )
+    return _with_position(found) if by_position else found
+
+
+def _with_position(space: NormalisedSpace) -> NormalisedSpace:
+    """Return the space with the integral of the velocity as its last state, which is measured."""
+    import casadi
+
+    position, moving = casadi.SX.sym("position"), space.moving
+    return replace(
+        space,
+        x=casadi.vertcat(space.x[:moving], position, space.x[moving:]),
+        rate=casadi.vertcat(space.rate[:moving], space.x[0], space.rate[moving:]),
+        output=position,
+        states=(*space.states, "position"),
+        measured=moving,
     )

@@ -62,6 +62,15 @@ def velocity_noise(recording: Recording) -> float:
     return max(spread, 1e-4 * peak_speed(recording))
 
 
+def position_noise(recording: Recording) -> float:
+    """Return the standard deviation of the position's noise, at least 1e-6 of its range."""
+    from fricmodels.signals.noise_level import noise_of
+
+    position = recording["position"]
+    found = noise_of(recording.time, position, recording.run).deviation
+    return max(found, 1e-6 * float(np.ptp(position)))
+
+
 def smoothed_acceleration(recording: Recording) -> Array:
     """Return dω/dt, measured or by the Lanczos differentiator whose width suits the noise."""
     from fricmodels.signals import Preparation, prepare

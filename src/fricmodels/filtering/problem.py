@@ -2,9 +2,10 @@
 
 A filter's memory is the column ``[x; lower triangle of P]`` with x = velocity, internal states, parameters. It is
 advanced by a compiled step (:class:`fricmodels.kernels.Scan`) whose input row is ``[duration, weight, y, u…]``: the
-duration of the sub-step, the weight of the measurement at its end (zero where there is none), the measured velocity
-and the drive's inputs in the middle of the sub-step. Nothing connects two runs of a recording: at the start of each,
-velocity and internal states begin anew, the parameters and their covariance are carried on.
+duration of the sub-step, the weight of the measurement at its end (zero where there is none), the measured velocity (or
+the way since the run began), and the drive's inputs in the middle of the sub-step. Nothing connects two runs of a
+recording: at the start of each, velocity and internal states begin anew, the parameters and their covariance are
+carried on.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ class SampleFilter(Protocol):
         """Predict over a sub-step of a normalised duration with the inputs in its middle."""
 
     def observe(self, measured: float) -> tuple[float, float]:
-        """Take in a measured velocity; return the innovation and the variance that it is expected to have."""
+        """Take in what is measured; return the innovation and the variance that it is expected to have."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ class Trajectory:
         time: of each sample [s].
         states: x after the sample, shape (N, n).
         variances: diagonal of P after the sample, shape (N, n).
-        innovation: measured minus predicted velocity, shape (N,); NaN at the first sample of a run.
+        innovation: measured minus predicted velocity or position, shape (N,); NaN at the first sample of a run.
         innovation_variance: what the filter takes its variance to be, shape (N,).
         memory: the last memory.
         diverged_at: index of the sample at which the estimate stopped being finite, or None.
@@ -84,7 +85,7 @@ class FilterProblem:
         drive, scales, space: the drive, the units, its equations in these units.
         scan: the compiled step; its constants are those of :attr:`constants`.
         known: numbers of the drive that the equations need, see :meth:`NormalisedSpace.values`.
-        measurement: R, the variance of the measured velocity (the weight Q of an observation in eq. 12).
+        measurement: R, the variance of the measured velocity or position (the weight Q of an observation in eq. 12).
         walk: diagonal of W, by how much the variance of each x grows in a unit of time.
         lower, upper: bounds of the parameters.
         initial_states, initial_parameters, initial_covariance: before the first sample.
@@ -118,8 +119,13 @@ class FilterProblem:
 
     @property
     def moving(self) -> int:
-        """How many of x are velocity and internal states."""
+        """How many of x are no parameters."""
         return self.space.moving
+
+    @property
+    def measured(self) -> int:
+        """The place in x of what is measured."""
+        return self.space.measured
 
     @property
     def order(self) -> int:
@@ -149,9 +155,12 @@ class FilterProblem:
         rows = np.zeros((len(inputs), 3 + inputs.shape[1]))
         rows[:, 0] = np.repeat(durations / self.substeps, self.substeps)
         rows[self.substeps - 1 :: self.substeps, 1] = durations
-        rows[:, 2] = np.repeat(run.velocity[1:], self.substeps)
+        rows[:, 2] = np.repeat(self._measured(run)[1:], self.substeps)
         rows[:, 3:] = inputs
         return rows
+
+    def _measured(self, run: Recording) -> Array:
+        return run["position"] - run["position"][0] if self.measured else run.velocity
 
     def run(self, recording: Recording) -> Trajectory:
         """Filter a recording in SI units with the compiled step."""
@@ -246,9 +255,10 @@ class FilterProblem:
         return pd.DataFrame(frame)
 
 
-def initial_states(drive: Drive, scales: Scales) -> Array:
-    """Return the normalised velocity, zero, and the model's internal states at their initial values."""
-    return np.array([0.0, *(state.initial / scales.of(state.dimension) for state in drive.model.states)])
+def initial_states(drive: Drive, scales: Scales, *, by_position: bool = False) -> Array:
+    """Return the normalised velocity, zero, the internal states at their initial values, and the position, zero."""
+    states = [state.initial / scales.of(state.dimension) for state in drive.model.states]
+    return np.array([0.0, *states, *([0.0] if by_position else [])])
 
 
 def diverged(problem: FilterProblem, trajectory: Trajectory) -> Solution:

@@ -83,7 +83,7 @@ def _filter(problem: FilterProblem, settings: UnscentedKalmanSettings) -> Batche
 
     kalman = Filter(
         propagate,
-        lambda x: x[:1],
+        lambda x: x[problem.measured, None],
         order=problem.order,
         alpha=settings.alpha,
         beta=settings.beta,
