@@ -7,8 +7,11 @@ from collections.abc import Collection, Mapping
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.parameter import Parameter, at_bound
 from fricmodels.results.words import CONTAINS_ZERO, HELD, NORMAL_95
+from fricmodels.weakform.candidate import within_recording
+from fricmodels.weakform.search import is_at_end
 
 AT_BOUND, MAY_BE_ZERO, NOT_IDENTIFIED = "at its bound", "may be 0", "not identified"
+AT_END = "at the end of what was sought"
 _BY_KEPT_BACK = "by what was kept back"
 
 
@@ -46,11 +49,20 @@ def remarks(
 
 
 def remarks_on(comparison: Comparison) -> dict[str, str]:
-    """Return the remark on each parameter of a fitted model that needs one, by key."""
+    """Return the remark on each parameter of a fitted model that needs one, by key.
+
+    A time, a length or a speed that was sought may end where the recording tells no more, as at two samples. It has the
+    least error there, and no interval about it holds; what the other parameters are hangs on it.
+    """
     known, found = {p.key: p.declared for p in comparison.drive.parameters}, comparison.estimate
-    return remarks(
+    said = remarks(
         known, found.parameters, found.own_errors, found.not_identified, found.told_by_kept_back, found.beyond
     )
+    if comparison.drive.model.known.fixed:
+        return said
+    sought = [p for p in comparison.drive.model.nonlinear_parameters if p.declared.scan and p.key not in said]
+    ends = {p.key: within_recording(comparison.problem, p.declared) for p in sought}
+    return said | {key: AT_END for key, sizes in ends.items() if is_at_end(sizes, found.parameters[key])}
 
 
 def _remark(value: float | None, error: float, reason: str, *, never_zero: bool) -> str:

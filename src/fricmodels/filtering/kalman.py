@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
@@ -148,9 +149,11 @@ class KalmanEstimator(Estimator):
             substeps=settings.substeps or stable_substeps(drive, recording, scales),
             hold=settings.torque or "linear",
         )
-        found, score = self._calibrated(problem, recording)
+        nonlinear = not all(p.linear for p in drive.parameters)
+        factors = _NOISE_FACTORS if settings.velocity_noise is None else (1.0,)
+        found, score = self._calibrated(problem, recording, factors, _PRIOR_FACTORS if nonlinear else (1.0,))
         if settings.torque is None:
-            held, likelier = self._calibrated(replace(problem, hold="held"), recording)
+            held, likelier = self._calibrated(replace(found, hold="held"), recording)
             found = held if likelier > score + _INDISTINCT else found
         return found
 
@@ -162,21 +165,25 @@ class KalmanEstimator(Estimator):
         noise = position_noise(recording) / scales.of(DISPLACEMENT)
         return noise, [(_UNKNOWN * peak_speed(recording) / scales.of(VELOCITY)) ** 2, noise**2]
 
-    def _calibrated(self, problem: FilterProblem, recording: Recording) -> tuple[FilterProblem, float]:
+    def _calibrated(
+        self,
+        problem: FilterProblem,
+        recording: Recording,
+        factors: Sequence[float] = (1.0,),
+        priors: Sequence[float] = (1.0,),
+    ) -> tuple[FilterProblem, float]:
         """Return the problem with the noise under which the innovations are likeliest, and how likely they are then.
 
         It is started where that run ends, unless this makes them less likely.
+
+        Args:
+            problem, recording: what is filtered.
+            factors, priors: of the noise of the measurement, and of the deviations to start with, that are tried.
         """
-        settings, scales = self.settings, problem.scales
-        part = (
-            recording if len(recording) <= _CALIBRATION_SAMPLES else recording.select(np.arange(_CALIBRATION_SAMPLES))
-        )
-        torque = recording.rms_torque / scales.force
-        step = recording.interval / scales.time
-        factors = _NOISE_FACTORS if settings.velocity_noise is None else (1.0,)
-        levels = _MODEL_NOISE if settings.model_noise is None else (settings.model_noise,)
-        nonlinear = not all(p.linear for p in problem.drive.parameters)
-        priors = _PRIOR_FACTORS if nonlinear else (1.0,)
+        part = recording.select(np.arange(min(len(recording), _CALIBRATION_SAMPLES)))
+        torque = recording.rms_torque / problem.scales.force
+        step, known = recording.interval / problem.scales.time, self.settings.model_noise
+        levels = _MODEL_NOISE if known is None else (known,)
         tried = []
         for prior, factor, level in itertools.product(priors, factors, levels):
             candidate = replace(
@@ -194,7 +201,8 @@ class KalmanEstimator(Estimator):
         smallest = min(level for _, level, *_ in likely)
         score, _, chosen, memory = max((e for e in likely if e[1] == smallest), key=lambda entry: entry[0])
         again = replace(chosen, initial_parameters=memory[problem.moving : problem.order])
-        return again if log_likelihood(again.run(part)) >= score else chosen, likeliest
+        from_there = log_likelihood(again.run(part))
+        return (again, from_there) if from_there >= score else (chosen, score)
 
 
 def _narrowed(problem: FilterProblem, factor: float) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from fricmodels.diagnosis.remarks import AT_BOUND, MAY_BE_ZERO, NOT_IDENTIFIED, remarks
+from fricmodels.diagnosis.remarks import AT_BOUND, AT_END, MAY_BE_ZERO, NOT_IDENTIFIED, remarks
 from fricmodels.dimension import Motion
 from fricmodels.parameter import Parameter
 from fricmodels.report.page import Table, table
@@ -60,7 +60,7 @@ def undetermined(last: Step) -> list[str]:
     """Say which parameters of a model mean nothing by themselves, and why; empty where there are none."""
     errors, reasons = last.standard_errors, last.not_identified
     said = last.remarks or remarks(declared(last.model), last.parameters, errors)
-    held, weak = ([key for key, text in said.items() if text == kind] for kind in (AT_BOUND, MAY_BE_ZERO))
+    held, ends, weak = ([key for key, text in said.items() if text == kind] for kind in (AT_BOUND, AT_END, MAY_BE_ZERO))
     loose = {key: reasons.get(key, "") for key, text in said.items() if text.startswith(NOT_IDENTIFIED)}
     loose |= {key: "" for key, error in errors.items() if not error and key not in said}
     points = [f"{key} is not determined: {reason}." for key, reason in loose.items() if reason]
@@ -68,6 +68,11 @@ def undetermined(last: Step) -> list[str]:
         points.append(f"Not determined by this recording: {listed(silent)}.")
     if held:
         points.append(f"At the end of what is physical: {listed(held)}; the data alone would go beyond it.")
+    if ends:
+        points.append(
+            f"At the end of what was sought: {listed(ends)}. This recording does not tell what lies beyond, and the "
+            "other parameters may be off with it; sample faster, or move farther."
+        )
     if weak:
         points.append(f"{listed(weak)} cannot be distinguished from zero: the 95 % interval includes it.")
     return points
