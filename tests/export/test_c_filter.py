@@ -126,3 +126,5 @@ def test_what_cannot_filter_says_so(made: Callable[..., Recording], kept: Callab
         export_model(model, "c", online="batch", recording=recording)
     with pytest.raises(InputError, match="unknown estimator"):
         export_model(model, "c", online="efk", recording=recording)
+    with pytest.raises(InputError, match="internal states, which rls cannot estimate"):
+        export_model(kept("coulomb-viscous+presliding"), "c", online="rls", recording=recording)

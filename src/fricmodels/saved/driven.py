@@ -70,7 +70,8 @@ def errors_in_words(simulated: Recording, recording: Recording, how: str) -> lis
                 lines.append(f"{name}: the simulation ended before the recording did")
                 continue
             size = unit if whole.motion.value == "rotary" else unit.replace("rad", "m")
-            lines.append(f"{name}: RMS error {rms(error):.4g} {size}, {how}")
+            of = ", against the one that the positions give" if name == "velocity" and name in whole.derived else ""
+            lines.append(f"{name}: RMS error {rms(error):.4g} {size}{of}, {how}")
     return lines
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -242,27 +243,19 @@ def _signed_signal(s: Subject, i: int, alone: Array) -> str:
 
 
 def check_symmetry(s: Subject) -> None:
-    """Where it is claimed: the torque is odd or even in the velocity, all other signals as they are."""
+    """Where it is claimed: the torque is odd or even in the velocity, all other signals as they are.
+
+    A state may turn over with the velocity, as a deflection does, or stay, as a temperature does.
+    """
     claim = s.term.symmetry
     if claim is None:
         raise SkipTest("symmetry = None: nothing is claimed")
     if claim not in ("odd", "even"):
         raise Fault(f"symmetry is {claim!r}; it is 'odd', 'even' or None")
-    rng = np.random.default_rng(8)
-    found = {"odd": True, "even": True}
-    example = None
-    for _ in range(60):
-        column = s.column(rng, velocity=float(10 ** rng.uniform(-2, 1)))
-        mirrored = column.copy()
-        mirrored[VELOCITY_PLACE] *= -1
-        forward, backward = s.torque(column), s.torque(mirrored)
-        size = 1e-9 * max(abs(forward), abs(backward), 1e-12)
-        found["odd"] &= abs(forward + backward) <= size
-        found["even"] &= abs(forward - backward) <= size
-        if not found[claim] and example is None:
-            example = f"τ = {forward:.4g} forward, {backward:.4g} backward at {s.written(column)}"
-    if found[claim]:
+    ways = [_turned_over(s, turned) for turned in product((1.0, -1.0), repeat=len(s.term.states))]
+    if any(found[claim] for found, _ in ways):
         return
+    found, example = ways[0][0], ways[-1][1][claim]
     other = "even" if claim == "odd" else "odd"
     if found[other]:
         advice = (
@@ -275,6 +268,25 @@ def check_symmetry(s: Subject) -> None:
         f"symmetry '{claim}' is claimed, but the directions differ in size: {example}; use absolute(s.velocity) where "
         "speed is meant, or declare symmetry = None"
     )
+
+
+def _turned_over(s: Subject, states: Sequence[float]) -> tuple[dict[str, bool], dict[str, str]]:
+    """Return whether a torque is odd and even if states turn over (−1) or stay (1), and where it is not."""
+    rng = np.random.default_rng(8)
+    found, examples = {"odd": True, "even": True}, dict[str, str]()
+    for _ in range(60):
+        column = s.column(rng, velocity=float(10 ** rng.uniform(-2, 1)))
+        mirrored = column.copy()
+        mirrored[VELOCITY_PLACE] *= -1
+        mirrored[len(mirrored) - 1 - len(states) : -1] *= states
+        forward, backward = s.torque(column), s.torque(mirrored)
+        size = 1e-9 * max(abs(forward), abs(backward), 1e-12)
+        found["odd"] &= abs(forward + backward) <= size
+        found["even"] &= abs(forward - backward) <= size
+        for claim, holds in found.items():
+            if not holds:
+                examples.setdefault(claim, f"τ = {forward:.4g} forward, {backward:.4g} backward at {s.written(column)}")
+    return found, examples
 
 
 def check_neutral(s: Subject) -> None:

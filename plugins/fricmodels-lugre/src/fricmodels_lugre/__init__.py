@@ -40,7 +40,7 @@ class LuGre(Law):
 
     name = "lugre"
     formula = "τ_F = F_c·ζ + σ_1·u + σ_2·ω;  dζ/dt = u/z_c;  u = ω − |ω|·ζ/(1 + (r − 1)·exp(−(ω/v_s)²))"
-    dissipative = False
+    symmetry, dissipative = "odd", False
     combines = frozenset({"presliding", "stribeck", "frictional-lag", "rising-stiction"})
     F_c = Parameter("F_c", unit="N m", lower=0.0, meaning="Coulomb torque: friction of fast sliding, without σ_2")
     sigma_1 = Parameter("sigma_1", unit="N m s/rad", lower=0.0, meaning="damping of the bending contact")

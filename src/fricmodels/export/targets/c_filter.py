@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fricmodels.dimension import DIMENSIONLESS, VELOCITY
-from fricmodels.errors import InputError
+from fricmodels.errors import EstimationError, InputError
 from fricmodels.export.targets.c_text import ascii_text, c_names, comment, step, table
 from fricmodels.filtering.covariance import pack
 from fricmodels.filtering.online import ProblemOnline, resting_speed
@@ -30,7 +30,10 @@ def started(model: FittedModel, estimator: str, recording: Recording) -> FilterP
     made = plugins.load().estimators[estimator]()
     # Its samples are as they are measured, and so is the noise that it is tuned to: a surer velocity is not theirs.
     seen = recording if recording.measures("velocity") else ready(recording)
-    online = made.start(model.drive, seen) if isinstance(made, SequentialEstimator) else None
+    try:
+        online = made.start(model.drive, seen) if isinstance(made, SequentialEstimator) else None
+    except EstimationError as error:
+        raise InputError(str(error)) from None
     if isinstance(online, Windowed):
         return online.windowed
     if not isinstance(online, ProblemOnline):
