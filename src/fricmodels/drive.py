@@ -193,6 +193,16 @@ class Drive:
         along = self.memory(whole, width, balance)(parameters)
         return along if recording.origin is None else tuple(state[recording.origin.index] for state in along)
 
+    def states_moved(
+        self, recording: Recording, parameters: Sequence[float] | Array, states: Sequence[Array], way: float
+    ) -> tuple[Array, ...]:
+        """Return the states if the drive goes a way [rad or m] within the next sampling interval, at every sample."""
+        from fricmodels.memory import moved
+
+        interval = recording.interval
+        signals = dict(zip(self.model.signals, self._signals(recording, way / interval), strict=True))
+        return tuple(moved(self.model, states, signals, interval, parameters, rest_width(recording)))
+
     def memory(self, recording: Recording, width: float, balance: Balance | None = None) -> Memory:
         """Return what integrates the model's internal states along a motion, for whatever parameters.
 

@@ -237,6 +237,30 @@ class MemoryStep:
         return tuple(following.tolist())
 
 
+def moved(
+    model: Model,
+    states: Sequence[Array],
+    signals: Mapping[str, ArrayLike],
+    interval: float,
+    parameters: Sequence[float] | Array,
+    width: float,
+) -> Array:
+    """Return the states after one step with constant signals, each sample by itself, shape (states, N).
+
+    Args:
+        model: the model with memory.
+        states: one array of shape (N,) for each of its states. signals: value or array of each signal that it needs.
+        interval: length of the step [s]. parameters: of the model, in order. width: width of rest.
+    """
+    given = [np.broadcast_to(signals[name], np.shape(states[0])) for name in _needed(model)]
+    return np.asarray(_step(model)(*states, interval, *given, *given, *parameters, width)[0])
+
+
+@lru_cache(maxsize=64)
+def _step(model: Model) -> ArrayFunction:
+    return ArrayFunction(memory_step(model))
+
+
 def first_states(model: Model) -> Any | None:
     """Build the states at the first sample of a motion as a CasADi function; ``None`` where they are as declared.
 

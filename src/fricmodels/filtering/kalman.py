@@ -7,7 +7,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 from pydantic import Field
@@ -151,11 +151,13 @@ class KalmanEstimator(Estimator):
         )
         nonlinear = not all(p.linear for p in drive.parameters)
         factors = _NOISE_FACTORS if settings.velocity_noise is None else (1.0,)
-        found, score = self._calibrated(problem, recording, factors, _PRIOR_FACTORS if nonlinear else (1.0,))
-        if settings.torque is None:
-            held, likelier = self._calibrated(replace(found, hold="held"), recording)
-            found = held if likelier > score + _INDISTINCT else found
-        return found
+        found, _ = self._calibrated(problem, recording, factors, _PRIOR_FACTORS if nonlinear else (1.0,))
+        if settings.torque is not None:
+            return found
+        (linear, score), (held, likelier) = (
+            self._calibrated(replace(found, hold=hold), recording) for hold in get_args(Between)
+        )
+        return held if likelier > score + _INDISTINCT else linear
 
     def _noise(self, recording: Recording, scales: Scales, *, by_position: bool) -> tuple[float, list[float]]:
         """Return the deviation of what is measured, and the variances of velocity and position where a run begins."""

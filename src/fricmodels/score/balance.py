@@ -38,7 +38,7 @@ import numpy as np
 from fricmodels.arrays import Array, widened
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
-from fricmodels.score.holding import holding_interval
+from fricmodels.score.holding import holding_interval, unseen_at_rest
 from fricmodels.score.noise import noise_like
 from fricmodels.score.proportional import applied_torque, in_recorded_torque, of_acceleration
 from fricmodels.score.torque import friction_moments, moments, torque_error
@@ -180,7 +180,7 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     inertia, parameters = drive.split(values)
     inertia += of_acceleration(drive, values)
     recorded = in_recorded_torque(drive, values)
-    states = drive.states(moving, parameters)
+    states, way = drive.states(moving, parameters), unseen_at_rest(drive, prepared)
     if not states:
         creeps = creeping_stretches(recording, velocity, rest, creeping_speed(velocity))
         limits = partial(drive.sticking_interval, moving, values)
@@ -189,12 +189,12 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
         one = moving.select(part)
         memory = [state[part] for state in states]
         applied = applied_torque(drive, values, one)
-        found = friction_moments(drive, values, one, memory, rest[part], doubtful[part])
+        found = friction_moments(drive, values, one, memory, rest[part], doubtful[part], way)
         friction = _in_balance(found, np.diff(one.time), of)
         balance = _balance(part, one.time, applied, inertia * prepared[of][part], friction, of)
         del friction
         if rest[part].any():
-            below, above = holding_interval(drive, one, values, memory)
+            below, above = holding_interval(drive, one, values, memory, way=way)
             driving = one.driving_torque
             balance.at_samples[rest[part]] = (driving - np.clip(driving, below, above))[rest[part]]
             del below, above, driving

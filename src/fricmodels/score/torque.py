@@ -19,7 +19,7 @@ from fricmodels.arrays import Array, Index, Mask
 from fricmodels.drive import Drive
 from fricmodels.once import once
 from fricmodels.recording import Recording
-from fricmodels.score.holding import holding_interval
+from fricmodels.score.holding import holding_interval, unseen_at_rest
 from fricmodels.score.proportional import applied_torque, in_recorded_torque, of_acceleration, proportional_torque
 from fricmodels.score.sampling import about_reversals, slowest_certain, without_shift
 
@@ -44,21 +44,22 @@ def torque_error(drive: Drive, values: Mapping[str, float], prepared: Recording)
     Raises:
         InputError: when the recording lacks a channel that the model needs.
     """
+    way = unseen_at_rest(drive, prepared)
     prepared, values = drive.timed(prepared, values)
     inertia, _ = drive.split(values)
     needed = prepared.driving_torque - inertia * prepared["acceleration"]
-    error = needed - _friction(drive, values, prepared, needed)
+    error = needed - _friction(drive, values, prepared, needed, way)
     return error * in_recorded_torque(drive, values)
 
 
-def _friction(drive: Drive, values: Mapping[str, float], prepared: Recording, needed: Array) -> Array:
+def _friction(drive: Drive, values: Mapping[str, float], prepared: Recording, needed: Array, way: float) -> Array:
     """Return the model's friction torque; at rest the one nearest to what is needed."""
     from fricmodels.signals import resting
 
     friction = drive.friction(prepared, values)
     rest = resting(prepared)
     if rest.any():
-        least, greatest = holding_interval(drive, prepared, values)
+        least, greatest = holding_interval(drive, prepared, values, way=way)
         friction[rest] = np.clip(needed[rest], least[rest], greatest[rest])
     return friction
 
@@ -104,6 +105,7 @@ def filtered_torque_error(
     """
     from fricmodels.signals import stretches
 
+    way = unseen_at_rest(drive, recording)
     recording, values = drive.timed(recording, values)
     width = sliding_half_width(recording) if half_width is None else half_width
     moving, rest, doubtful = _smoothed(recording, width)
@@ -122,7 +124,7 @@ def filtered_torque_error(
         )
         least, greatest = np.empty((2, len(needed)))
         for some, low, high in friction_moments(
-            drive, values, one, [state[part] for state in states], rest[part], doubtful[part]
+            drive, values, one, [state[part] for state in states], rest[part], doubtful[part], way
         ):
             least[some], greatest[some] = low.sum(axis=0), high.sum(axis=0)
         if beyond_sampling:
@@ -182,12 +184,13 @@ def friction_moments(
     states: Sequence[Array],
     rest: Mask,
     doubtful: Mask,
+    way: float,
 ) -> Iterator[tuple[slice, Array, Array]]:
     """Yield :func:`moments` of the least and the greatest friction torque of some intervals after the other.
 
     They are equal while sliding. Where the velocity is zero, though not long enough for a rest, the friction lies
     anywhere in the sticking interval. What goes with the acceleration or the motor torque everywhere is left out, see
-    :func:`.proportional_torque`.
+    :func:`.proportional_torque`. For ``way`` see :func:`.holding_interval`.
 
     Yields:
         Which intervals they are, and the moments, shape (2, intervals) each.
@@ -199,7 +202,8 @@ def friction_moments(
         some = one.select(part)
         vars(some).update(peak_speed=one.peak_speed)  # by which the width of rest is known, of all and not of a part
         share = share_before_zero(one.velocity[before : stop + 2])[start - before :][: stop - start]
-        found = _moments_of(drive, values, some, [state[part] for state in states], rest[part], doubtful[part], share)
+        known = [state[part] for state in states]
+        found = _moments_of(drive, values, some, known, rest[part], doubtful[part], share, way)
         yield slice(start, stop), *found
 
 
@@ -211,12 +215,13 @@ def _moments_of(
     rest: Mask,
     doubtful: Mask,
     share: Array,
+    way: float,
 ) -> tuple[Array, Array]:
     """Return :func:`friction_moments` of a part of a stretch, with the share of each interval before a reversal."""
     velocity = one.velocity
     at = drive.friction(one, values, states=states)
     below, above = drive.sticking_interval(one, values, states=states)
-    least_held, most_held = holding_interval(drive, one, values, states, (below, above))
+    least_held, most_held = holding_interval(drive, one, values, states, (below, above), way)
     applied = applied_torque(drive, values, one)
     smooth = proportional_torque(drive, values, one)
     if smooth is not None:

@@ -12,16 +12,11 @@ from fricmodels.once import once
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.signals.lanczos import lanczos_value
-from fricmodels.signals.noise_level import quantum
 from fricmodels.signals.rest import resting, smoothed_velocity
+from fricmodels.signals.unseen_way import SHORTEST, turning, unseen_way
 
-_SHORTEST = 2.0
-"""The shortest duration that can be told, in sampling intervals: sampling alone delays by part of one."""
-_COUNTS = 2.0
-"""And the shortest way, in counts of the position that tells the motion."""
-_LOW, _SLOWER, _WIDTH = 0.2, 0.25, 2
-"""Share of the RMS speed that is low; share of what is passed at low speed that is passed more slowly than by the usual
-acceleration; samples to either side of one from which its acceleration is told."""
+_WIDTH = 2
+"""Samples to either side of one from which its acceleration is told."""
 _STROKE = 0.01
 """Share of the longest stroke that another one goes at least. On four joints of a KR300 noise makes pieces of up to
 0.0001 of it; without this bound one of them had a jump after the first such piece. Strokes of a thousandth, which are
@@ -103,13 +98,13 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     """
     lower, upper = parameter.lower, parameter.upper
     if parameter.dimension == TIME and not (parameter.instant or parameter.delay):
-        lower = min(max(lower, _SHORTEST * recording.interval), upper)
+        lower = min(max(lower, SHORTEST * recording.interval), upper)
     elif parameter.dimension == VELOCITY and lower >= 0.0:
-        lower = min(max(lower, 0.5 * _SHORTEST * recording.interval * turning(recording)), upper)
+        lower = min(max(lower, 0.5 * SHORTEST * recording.interval * turning(recording)), upper)
     elif parameter.dimension == DISPLACEMENT and not (parameter.place or parameter.periodic):
-        lower = min(max(lower, _unseen_way(recording)), upper)
+        lower = min(max(lower, unseen_way(recording)), upper)
     elif parameter.resonance:
-        upper = min(upper, np.pi / (_SHORTEST * recording.interval))
+        upper = min(upper, np.pi / (SHORTEST * recording.interval))
         lower = max(lower, _FOLLOWS * slow_angular_frequency(recording))
     elif parameter.place and "position" in recording:
         position = recording["position"]
@@ -117,29 +112,6 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     if lower > upper or (lower, upper) == (parameter.lower, parameter.upper):
         return parameter
     return replace(parameter, lower=lower, upper=upper, initial=min(max(parameter.initial, lower), upper))
-
-
-def _unseen_way(recording: Recording) -> float:
-    """Return the way about a reversal [rad or m] of which nothing can be told."""
-    in_samples = 0.5 * (_SHORTEST * recording.interval) ** 2 * turning(recording)
-    return max(in_samples, _COUNTS * quantum(recording["position"]) if recording.derived_over else 0.0)
-
-
-@once
-def turning(recording: Recording) -> float:
-    """Return the acceleration with which the drive passes standstill, at the slower of its passages.
-
-    Where the speed is low but certain. Each sample counts by the change of speed that it stands for: a rest, or a slow
-    stretch at constant speed, passes nothing.
-    """
-    velocity, error = smoothed_velocity(recording)
-    speed = np.abs(velocity)
-    low = (speed > 3.0 * error) & (speed <= _LOW * rms(velocity))
-    if not low.any():
-        return 0.0
-    rate = np.sort(np.abs(lanczos_value(recording.time, velocity, _WIDTH, recording.run, order=1))[low])
-    passed = np.cumsum(rate)
-    return float(rate[np.searchsorted(passed, _SLOWER * passed[-1])])
 
 
 @once

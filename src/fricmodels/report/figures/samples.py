@@ -17,7 +17,7 @@ from fricmodels.once import once
 from fricmodels.processes import give_back
 from fricmodels.recording import RUN, Recording
 from fricmodels.report.figures.style import label, unit_of, words
-from fricmodels.score.holding import holding_interval
+from fricmodels.score.holding import holding_interval, unseen_at_rest
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -181,7 +181,8 @@ class Samples:
         friction = drive.friction(moving, self.parameters)
         if self.resting.any():
             still = self.resting
-            least, greatest = (limit[still] for limit in holding_interval(drive, moving, self.parameters))
+            held = holding_interval(drive, moving, self.parameters, way=unseen_at_rest(drive, self.recording))
+            least, greatest = (limit[still] for limit in held)
             friction[still] = np.clip(moving.driving_torque[still], least, greatest)
         return friction
 
