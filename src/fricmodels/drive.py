@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from fricmodels.beginning import Balance
     from fricmodels.memory import Memory
 
-
 _SURELY_MOVING = 0.01
 """Share of the peak speed above which a drive does not stick."""
 
@@ -199,9 +198,8 @@ class Drive:
         """Return the states if the drive goes a way [rad or m] within the next sampling interval, at every sample."""
         from fricmodels.memory import moved
 
-        interval = recording.interval
-        signals = dict(zip(self.model.signals, self._signals(recording, way / interval), strict=True))
-        return tuple(moved(self.model, states, signals, interval, parameters, rest_width(recording)))
+        given = dict(zip(self.model.signals, self._signals(recording, way / recording.interval), strict=True))
+        return moved(self.model, states, given, recording.interval, parameters, rest_width(recording))
 
     def memory(self, recording: Recording, width: float, balance: Balance | None = None) -> Memory:
         """Return what integrates the model's internal states along a motion, for whatever parameters.

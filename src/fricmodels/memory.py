@@ -244,16 +244,20 @@ def moved(
     interval: float,
     parameters: Sequence[float] | Array,
     width: float,
-) -> Array:
-    """Return the states after one step with constant signals, each sample by itself, shape (states, N).
+) -> tuple[Array, ...]:
+    """Return the states after a time with constant signals, each sample by itself, an array of shape (N,) for each.
+
+    In two steps: what bends within a fraction of the way would swing over in one.
 
     Args:
         model: the model with memory.
-        states: one array of shape (N,) for each of its states. signals: value or array of each signal that it needs.
-        interval: length of the step [s]. parameters: of the model, in order. width: width of rest.
+        states: an array of shape (N,) for each of its states. signals: value or array of each signal that it needs.
+        interval: the time [s]. parameters: of the model, in order. width: width of rest.
     """
     given = [np.broadcast_to(signals[name], np.shape(states[0])) for name in _needed(model)]
-    return np.asarray(_step(model)(*states, interval, *given, *given, *parameters, width)[0])
+    for _ in range(2):
+        states = tuple(_step(model)(*states, interval / 2, *given, *given, *parameters, width)[0])
+    return tuple(states)
 
 
 @lru_cache(maxsize=64)

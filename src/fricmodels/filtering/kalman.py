@@ -7,7 +7,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, ClassVar, Literal, get_args
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -154,10 +154,9 @@ class KalmanEstimator(Estimator):
         found, _ = self._calibrated(problem, recording, factors, _PRIOR_FACTORS if nonlinear else (1.0,))
         if settings.torque is not None:
             return found
-        (linear, score), (held, likelier) = (
-            self._calibrated(replace(found, hold=hold), recording) for hold in get_args(Between)
-        )
-        return held if likelier > score + _INDISTINCT else linear
+        straight, score = self._calibrated(found, recording)
+        held, likelier = self._calibrated(replace(found, hold="held"), recording)
+        return held if likelier > score + _INDISTINCT else straight
 
     def _noise(self, recording: Recording, scales: Scales, *, by_position: bool) -> tuple[float, list[float]]:
         """Return the deviation of what is measured, and the variances of velocity and position where a run begins."""
