@@ -197,10 +197,9 @@ class RunsApart(Part):
     runs: int
     """How many there are."""
     together_percent: Number
-    """Error with one set of parameters for all, of what was fitted and of runs that were kept back whole
-    [% of their RMS motor torque]."""
+    """Error of what was fitted, and of runs kept back whole, with one set of parameters for all [% of the RMS torque]."""
     percent: Number
-    """The same with one set for each run [% of their RMS motor torque]."""
+    """The same with one set for each run [% of the RMS torque]."""
     parameters: tuple[OfRuns, ...] = ()
     """Those that differ most, the most certain first."""
 
