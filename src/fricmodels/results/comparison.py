@@ -197,7 +197,7 @@ class RunsApart(Part):
     runs: int
     """How many there are."""
     together_percent: Number
-    """Error of what was fitted, and of runs kept back whole, with one set of parameters for all [% of the RMS torque]."""
+    """Error of what was fitted, and of whole runs kept back, with the parameters of all [% of the RMS torque]."""
     percent: Number
     """The same with one set for each run [% of the RMS torque]."""
     parameters: tuple[OfRuns, ...] = ()
