@@ -89,7 +89,7 @@ def _overview(of: Mapping[str, list[Row]], times: Mapping[str, float]) -> list[s
         ("nothing hidden: “unknown effect”", "", share(r["verdict"] == "unknown-effect" for r in null)),
         ("held-out error ≤ 1.1 × true model's after the first named", "≥ 95 %", share(after)),
         ("– held-out error ≤ 1.1 × the base law's with nothing hidden", "", share(_restored(r) for r in single)),
-        ("two hidden effects, both named", "≥ 85 %", share(_both(r) for r in pair)),
+        ("two hidden effects, both named", "≥ 90 %", share(_both(r) for r in pair)),
         ("effect removed from the list: “unknown effect”", "≥ 90 %", share(_unknown(r) for r in single)),
         ("– no wrong name", "", share(not r["removed"]["names"] for r in single)),
         ("– none, or such with which no more is left than with the true effect", "", share(map(_as_good, single))),

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 import pytest
 from fricmodels_makkar import MakkarDixonSawyerHu
@@ -59,11 +57,3 @@ class TestExam(LawExam):
     """The exam of laws, on a drive whose peak and whose Coulomb torque rise at speeds that can be told apart."""
 
     term = MakkarDixonSawyerHu
-    truth: ClassVar = {
-        "gamma_1": 0.15,
-        "gamma_2": 2.0,
-        "gamma_3": 0.3,
-        "gamma_4": 0.12,
-        "gamma_5": 20.0,
-        "gamma_6": 0.01,
-    }

@@ -33,7 +33,12 @@ def command(
         typer.Option("--armature", min=0.0, help="Armature to write into that MJCF [kg m²]."),
     ] = None,
     online: Annotated[
-        str | None, typer.Option("--online", metavar="ekf", help="In C, also a filter that runs beside the drive.")
+        str | None,
+        typer.Option(
+            "--online",
+            metavar="ekf",
+            help="In C, also a filter that runs beside the drive: ekf, detchmendy-sridhar or rls.",
+        ),
     ] = None,
     column: Column = None,
     torque_constant: TorqueConstant = None,

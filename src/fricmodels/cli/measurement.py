@@ -28,7 +28,9 @@ if TYPE_CHECKING:
 Data = Annotated[
     list[Path],
     typer.Argument(
-        metavar="DATA…", help="Recording: .csv, .parquet, .mat, .bag. Several files are one, each a run of it."
+        metavar="DATA…",
+        help="Recording: .csv, .txt, .parquet, .mat, .h5, .json, .bag and more; see 'list readers'. "
+        "Several files are one, each a run of it.",
     ),
 ]
 ModelName = Annotated[

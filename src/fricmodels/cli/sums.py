@@ -10,7 +10,6 @@ import typer
 
 from fricmodels.cli.measurement import (
     Column,
-    Data,
     Format,
     GapsOption,
     Inertia,
@@ -30,8 +29,14 @@ Like = Annotated[
 ]
 
 
+Recordings = Annotated[
+    list[Path],
+    typer.Argument(metavar="DATA…", help="Recordings, each summed by itself, or files of sums to add."),
+]
+
+
 def command(
-    data: Data,
+    data: Recordings,
     model: ModelName,
     out: Annotated[
         Path,

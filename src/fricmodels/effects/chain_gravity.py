@@ -25,7 +25,7 @@ class ChainGravity(OfChannel):
     name = "chain-gravity"
     formula = "τ = a·cos q·cos x + b·cos q·sin x + c·sin q·cos x + d·sin q·sin x"
     signature = "once a turn in the sum of this angle and another one"
-    needs_motion = "this joint and another one move over a wide range"
+    needs_motion = "motion of this joint and of another one over a wide range"
     with_angle = True
     units = frozenset({"rad"})
     angular = True

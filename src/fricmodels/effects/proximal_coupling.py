@@ -28,7 +28,7 @@ class ProximalCoupling(OfChannel):
     name = "proximal-coupling"
     formula = "τ = c·dx/dt + a·(cos q·dx/dt + sin q·x²) + b·(sin q·dx/dt − cos q·x²)"
     signature = "in proportion to the acceleration of another joint and its squared speed, turned by this joint's angle"
-    needs_motion = "the joint before moves, and this one over a wide range"
+    needs_motion = "motion of the joint before it, and of this one over a wide range"
     separated_from = {"inertia-error": OUT_OF_STEP, "other-inertia": "this joint moved over a wider range"}
     with_angle = True
     units = frozenset({"rad/s"})

@@ -34,9 +34,9 @@ _RIGHT_CLASS = f"| right class named first | ≥ 97 % | {_BY_SEED} |"
 
 RECORDS: Mapping[str, Record] = {
     "missing-effect": Record(
-        "Where the truth was known, the right effect came first on all but 10 of 506 drives with one hidden effect "
-        "(docs/hidden_effects.md); with several, 59 of 1240 names were wrong (docs/rough_drives.md). Where the true "
-        "effect was on no list, a wrong name was given to 78 of 506 and 87 of 1111 drives.",
+        "Where the truth was known, the right effect or a look-alike came first on all but 10 of 506 drives with one "
+        "hidden effect (docs/hidden_effects.md); with several, 59 of 1240 names were wrong (docs/rough_drives.md). "
+        "Where the true effect was on no list, 78 of 506 and 87 of 1111 drives got a wrong name.",
         {
             "hidden_effects.md": (
                 _RIGHT_CLASS,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from fricmodels import Law, Parameter, hookimpl
 from fricmodels.expressions import Expression, tanh
 from fricmodels.term import Parameters, Signals
@@ -24,6 +26,10 @@ class MakkarDixonSawyerHu(Law):
 
     name = "makkar"
     formula = "τ_F = γ1·(tanh γ2·ω − tanh γ3·ω) + γ4·tanh γ5·ω + γ6·ω"
+    # The peak and the Coulomb torque rise at speeds that can be told apart.
+    exam: ClassVar = {
+        "truth": {"gamma_1": 0.15, "gamma_2": 2.0, "gamma_3": 0.3, "gamma_4": 0.12, "gamma_5": 20.0, "gamma_6": 0.01}
+    }
     gamma_1 = Parameter("gamma_1", unit="N m", lower=0.0, meaning="height of the peak at low speed")
     gamma_2 = Parameter(
         "gamma_2", unit="s/rad", lower=0.0, at_least="gamma_3", meaning="rise of the peak", scan=(100.0, 30.0)
