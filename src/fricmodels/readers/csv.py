@@ -17,6 +17,9 @@ from fricmodels.readers.labelled import without_labels
 if TYPE_CHECKING:
     import pandas as pd
 
+_INTERRUPTED = "Calling read(nbytes) on source failed"
+"""What pandas makes of an exception without a text while it reads, which is an interrupt; all others keep theirs."""
+
 
 class CsvReader(Reader):
     """Delimited text, mostly with a header row.
@@ -41,6 +44,8 @@ class CsvReader(Reader):
             try:
                 frame = _frame(path, dialect)
             except (pd.errors.ParserError, pd.errors.ParserWarning) as error:
+                if _INTERRUPTED in str(error):
+                    raise KeyboardInterrupt from None
                 raise InputError(f"{path}: {_ragged(path, dialect, error)}") from None
             except pd.errors.EmptyDataError:
                 raise InputError(f"{path}: there is a header but no data below it") from None
