@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,8 +17,15 @@ from fricmodels.model import ModelParameter
 from fricmodels.recording import Recording
 from fricmodels.simulation import Between
 
+if TYPE_CHECKING:
+    from fricmodels.signals import Noise
+
 REST_WIDTH = 1e-3
 """Width of rest, as a fraction of the peak speed: limits the slope of |ω|^p to what a step can follow."""
+_SPOILT = 10
+"""Times its usual peak from which a sample is a spike."""
+_MEANS = (1, 2, 4, 8, 16, 32, 64, 128, 256)
+"""Samples over which means of noise are taken."""
 _MOST_COMBINATIONS = 400
 _TRACED = 20_000
 
@@ -50,25 +58,39 @@ def dominant_frequency(recording: Recording) -> float:
 
 
 def velocity_noise(recording: Recording) -> float:
-    """Return the standard deviation of white noise on the velocity.
+    """Return the standard deviation of the velocity's noise, counted as white.
 
-    From the median of its third differences, which a smooth motion hardly has: median |Δ³y| / (0.6745 √20).
-    At least 1e-4 of the peak speed, so that a noiseless simulation does not make a filter infinitely certain.
+    Without samples that go ten times beyond the peak speed. At least 1e-4 of that, so that a noiseless simulation does
+    not make a filter infinitely certain.
     """
-    third = np.diff(recording.velocity, 3)
-    joined = np.diff(recording.run) == 0
-    inside = joined[:-2] & joined[1:-1] & joined[2:]
-    spread = float(np.median(np.abs(third[inside]))) / (0.6745 * math.sqrt(20.0)) if inside.any() else 0.0
-    return max(spread, 1e-4 * peak_speed(recording))
+    from fricmodels.signals import velocity_noise as noise_of_velocity
+
+    peak = peak_speed(recording)
+    usual = np.abs(recording.velocity) <= _SPOILT * peak
+    kept = recording if usual.all() else recording.select(usual)
+    return max(_as_white(noise_of_velocity(kept), len(kept)), 1e-4 * peak)
 
 
 def position_noise(recording: Recording) -> float:
-    """Return the standard deviation of the position's noise, at least 1e-6 of its range."""
+    """Return the standard deviation of the position's noise, counted as white, at least 1e-6 of its range."""
     from fricmodels.signals.noise_level import noise_of
 
     position = recording["position"]
-    found = noise_of(recording.time, position, recording.run).deviation
+    found = _as_white(noise_of(recording.time, position, recording.run), len(recording))
     return max(found, 1e-6 * float(np.ptp(position)))
+
+
+def _as_white(noise: Noise, count: int) -> float:
+    """Return the standard deviation of white noise that says as little of a signal as its own noise does.
+
+    Noise that lasts n samples, as that of a rounded signal does, is the same in all of them: it counts as white noise
+    of n times its variance, which is what means over many samples have.
+
+    Args:
+        noise: of the signal. count: its samples.
+    """
+    widths = [width for width in _MEANS if width <= count]
+    return max(math.sqrt(width) * float(noise.after(np.full(width, 1.0 / width))) for width in widths)
 
 
 def smoothed_acceleration(recording: Recording) -> Array:
@@ -81,8 +103,8 @@ def smoothed_acceleration(recording: Recording) -> Array:
 def ordinary(recording: Recording, acceleration: Array) -> Mask:
     """Return the samples that no spike has spoilt: neither speed nor acceleration ten times over their usual peaks."""
     magnitude = np.abs(acceleration)
-    usual = magnitude <= 10 * max(float(np.quantile(magnitude, 0.95)), np.finfo(float).tiny)
-    return np.asarray(usual & (np.abs(recording.velocity) <= 10 * peak_speed(recording)))
+    usual = magnitude <= _SPOILT * max(float(np.quantile(magnitude, 0.95)), np.finfo(float).tiny)
+    return np.asarray(usual & (np.abs(recording.velocity) <= _SPOILT * peak_speed(recording)))
 
 
 def inertia_guess(drive: Drive, recording: Recording) -> float:
