@@ -54,6 +54,19 @@ def test_an_estimate_that_is_off_has_an_interval_that_holds_the_truth(coulomb: f
         assert all(1.96 * fit.standard_errors["K_c"] == pytest.approx(off, rel=0.05) for fit in fits)
 
 
+@pytest.mark.parametrize(("coulomb", "far"), [(1.0, False), (1.02, False), (1.2, True), (0.5, True)])
+def test_what_is_certainly_far_from_least_squares_is_said_not_to_have_converged(coulomb: float, far: bool) -> None:
+    estimator = Off()
+    estimator.coulomb = coulomb
+    fit = estimator.fit(DRIVE, recording(0))
+    assert ("K_c" in fit.not_identified) is far
+    if far:
+        reason = fit.not_identified["K_c"]
+        assert reason.startswith("not converged, or biased: least squares of the same equation give ")
+        assert float(reason.split()[-1]) == pytest.approx(TRUE["K_c"], rel=0.01)
+    assert "K_v" not in fit.not_identified
+
+
 def test_the_covariance_is_one_of_its_standard_errors() -> None:
     fit = Off().fit(DRIVE, recording(0))
     assert np.sqrt(np.diag(fit.covariance)) == pytest.approx([fit.standard_errors[key] for key in fit.estimated])

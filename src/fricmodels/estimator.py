@@ -98,11 +98,12 @@ class Estimator(ABC):
         keys = drive.keys if found.estimated is None else found.estimated
         given = {} if drive.inertia is None else {drive.inertia_key: drive.inertia}
         parameters = {**given, **dict.fromkeys(drive.keys, float("nan")), **found.parameters}
-        covariance, no_interval = found.covariance, dict[str, str]()
+        covariance, no_interval, far = found.covariance, dict[str, str](), dict[str, str]()
         if found.status is not Status.OK:
             covariance = np.full((len(keys), len(keys)), np.nan)
         elif covariance is None:
-            covariance, no_interval = about(drive, kept, parameters, keys)
+            compared = about(drive, kept, parameters, keys)
+            covariance, no_interval, far = compared.covariance, dict(compared.reasons), dict(compared.far)
         silent = [key for key, own in zip(keys, np.diag(covariance), strict=True) if own == 0.0]
         unknown = {key: found.not_identified[key] for key in silent if key in found.not_identified}
         no_interval = {**no_interval, **unknown, **found.no_interval}
@@ -124,7 +125,7 @@ class Estimator(ABC):
             estimated=keys,
             status=found.status,
             message=found.message,
-            not_identified={**doubtful, **outside, **found.not_identified},
+            not_identified={**doubtful, **far, **outside, **found.not_identified},
             no_interval=no_interval,
             history=found.history,
             seconds=time.perf_counter() - began,

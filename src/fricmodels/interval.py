@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -25,21 +26,32 @@ from fricmodels.errors import FricmodelsError
 from fricmodels.recording import Recording
 
 _LEVEL = 0.95
+_FAR, _WORTH_A_WORD = 8.0, 0.1
+"""Standard errors of the weak form, and share of its value, beyond which an estimate is said not to have come near."""
 
 
-def about(
-    drive: Drive, recording: Recording, parameters: Mapping[str, float], keys: Sequence[str]
-) -> tuple[Array, dict[str, str]]:
-    """Return the covariance of an estimate by its distance to the weak-form fit of the same model.
+@dataclass(frozen=True)
+class About:
+    """What an unbiased fit of the same equation says about an estimate.
+
+    Attributes:
+        covariance: by the distance to it; NaN in the rows and columns of parameters without an interval.
+        reasons: of these, by key.
+        far: of what is certainly far from it, by key: it has not converged, or is biased.
+    """
+
+    covariance: Array
+    reasons: Mapping[str, str]
+    far: Mapping[str, str] = field(default_factory=dict)
+
+
+def about(drive: Drive, recording: Recording, parameters: Mapping[str, float], keys: Sequence[str]) -> About:
+    """Compare an estimate with the weak-form fit of the same model.
 
     Args:
         drive: the model, and its inertia or ``None``.
         recording: with velocity, every sample finite.
-        parameters: the estimate, in SI, by key. keys: those that were estimated.
-
-    Returns:
-        The covariance in the order of ``keys``, NaN in the rows and columns of parameters without an interval; and
-        for each of these the reason.
+        parameters: the estimate, in SI, by key. keys: those that were estimated, in the order of the covariance.
     """
     from fricmodels.weakform.estimate import estimate
     from fricmodels.weakform.inference import NORMAL_95
@@ -49,7 +61,7 @@ def about(
     try:
         _, reference = estimate(drive, prepared(recording))
     except FricmodelsError as error:
-        return nothing, dict.fromkeys(keys, f"nothing to check it against: {error}")
+        return About(nothing, dict.fromkeys(keys, f"nothing to check it against: {error}"))
     known = [
         key for key in keys if math.isfinite(parameters[key]) and 0 < reference.standard_errors.get(key, 0.0) < math.inf
     ]
@@ -68,7 +80,12 @@ def about(
     scale = width / NORMAL_95 / np.sqrt(np.diag(square))
     places = np.array([list(keys).index(key) for key in known], dtype=np.int64)
     nothing[np.ix_(places, places)] = square * np.outer(scale, scale)
-    return nothing, reasons
+    far = {
+        key: f"not converged, or biased: least squares of the same equation give {reference.parameters[key]:.4g}"
+        for key, d, s in zip(known, distance, spread, strict=True)
+        if abs(d) > max(_FAR * s, _WORTH_A_WORD * abs(reference.parameters[key]))
+    }
+    return About(nothing, reasons, far)
 
 
 def half_width(distance: float, spread: float) -> float:
@@ -77,6 +94,6 @@ def half_width(distance: float, spread: float) -> float:
     from scipy.special import ndtr
 
     away = abs(distance) / spread
-    if away > 8.0:  # the far side is beyond rounding
+    if away > _FAR:  # the far side is beyond rounding
         return abs(distance) + 1.6448536269514722 * spread
     return spread * float(brentq(lambda w: ndtr(w - away) - ndtr(-w - away) - _LEVEL, 0.0, away + 2.0))

@@ -20,7 +20,7 @@ _NESTED = ("tags", "parameters", "standard_errors", "true_parameters", "not_iden
 
 _NAMES = {"held_out_rms_torque_error_percent": "test error", "rms_torque_error_percent": "fit error"}
 NOT_SURE = {
-    "?": "?: so many parameters are not determined, not distinguished from zero, or outside their bounds",
+    "?": "?: so many parameters are not determined, not converged, perhaps zero, or outside their bounds",
     "|": "|: so many parameters are at their bounds",
 }
 """What the marks of a leaderboard mean."""
