@@ -35,6 +35,7 @@ class ExtendedKalman(KalmanEstimator, SequentialEstimator):
     name = "ekf"
     summary = "extended Kalman filter (filterpy, or its compiled twin)"
     Settings = ExtendedKalmanSettings
+    filters_positions = True
 
     def run(self, problem: FilterProblem, recording: Recording) -> Trajectory:
         """Filter with the engine that the settings name."""

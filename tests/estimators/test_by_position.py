@@ -9,6 +9,7 @@ from estimators.ekf import ExtendedKalman
 from fricmodels.arrays import Array
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
+from fricmodels.errors import EstimationError
 from fricmodels.estimator import Estimator
 from fricmodels.model import Model
 from fricmodels.plugins import load
@@ -90,6 +91,20 @@ def test_a_velocity_that_was_measured_is_what_is_filtered() -> None:
     fit = ExtendedKalman().fit(DRIVE, both)
     assert "velocity" in fit.provenance["noise"]
     assert fit.parameters["K_v"] == pytest.approx(VISCOUS, rel=0.01)
+
+
+class Older(ExtendedKalman):
+    """A filter that knows of velocities only, as one that was written before positions were filtered."""
+
+    name = "older-filter"
+    filters_positions = False
+
+
+def test_a_filter_that_does_not_say_that_it_filters_positions_gets_velocities() -> None:
+    recording = record(0)
+    assert "velocity" in Older().fit(DRIVE, recording).provenance["noise"]
+    with pytest.raises(EstimationError, match="'older-filter' does not filter positions"):
+        Older({"measured": "position"}).fit(DRIVE, recording)
 
 
 @pytest.mark.parametrize("held", [False, True])

@@ -15,6 +15,7 @@ from pydantic import Field
 from fricmodels.arrays import Array
 from fricmodels.dimension import DISPLACEMENT, VELOCITY, Scales
 from fricmodels.drive import Drive
+from fricmodels.errors import EstimationError
 from fricmodels.estimator import Estimator, EstimatorSettings, Solution
 from fricmodels.filtering.bounds import bounded, normalised_bounds
 from fricmodels.filtering.covariance import symbolic_covariance, symbolic_pack, symbolic_prediction
@@ -77,9 +78,13 @@ class KalmanEstimator(Estimator):
     itself. The noise of the measurement and of the model are those, on a grid, under which the innovations of an
     extended filter over the first 20 000 samples are likeliest; so is, for laws with nonlinear parameters, how wide it
     starts, and whether the torque is held between samples. Where the velocity was derived from a position that one is
-    measured.
+    measured, if the filter of a subclass observes the element :attr:`FilterProblem.measured` of x, and says so.
+
+    Attributes:
+        filters_positions: whether it does.
     """
 
+    filters_positions: ClassVar[bool] = False
     Settings: ClassVar[type[EstimatorSettings]] = KalmanSettings
     carries_states = True
 
@@ -103,9 +108,12 @@ class KalmanEstimator(Estimator):
     def _by_position(self, recording: Recording) -> bool:
         """Whether the position is measured, and the velocity no more than what was derived from it."""
         settings = self.settings
+        if settings.measured == "position" and not self.filters_positions:
+            raise EstimationError(f"'{self.name}' does not filter positions; leave the setting 'measured' out")
         if settings.measured is not None:
             return bool(settings.measured == "position")
-        return settings.velocity_noise is None and "velocity" in recording.derived and "position" in recording
+        derived = "velocity" in recording.derived and "position" in recording
+        return self.filters_positions and settings.velocity_noise is None and derived
 
     def problem(self, drive: Drive, recording: Recording, *, by_position: bool = False) -> FilterProblem:
         """Return the filter before its first sample: scales, step, noise, bounds and start.

@@ -41,6 +41,7 @@ class UnscentedKalman(KalmanEstimator):
     name = "ukf"
     summary = "unscented Kalman filter (filterpy, sigma points through the compiled law)"
     Settings = UnscentedKalmanSettings
+    filters_positions = True
 
     def run(self, problem: FilterProblem, recording: Recording) -> Trajectory:
         """Filter with sigma points."""
