@@ -49,6 +49,17 @@ def test_runs_of_two_drives_are_apart_whichever_is_kept_back(coulomb: list[float
     assert differing.greatest_run == f"run {coulomb.index(2.4)}"
 
 
+def test_of_very_many_some_are_fitted() -> None:
+    comparison = compare(record([0.8, 2.4] * 40), "coulomb-viscous", INERTIA)
+    found = runs_apart(comparison)
+    assert found is not None
+    assert (found.runs, found.fitted) == (80, 32)
+    assert {one.key for one in found.parameters} >= {"K_c"}
+    assert "The 80 runs are not alike: fitted each by itself 32 of them leave" in error_words(
+        comparison_document(comparison)
+    )
+
+
 @pytest.mark.parametrize("runs", [1, 2, 3, 5])
 @pytest.mark.parametrize("gravity", [0.0, GRAVITY])
 def test_runs_of_one_drive_are_not_whatever_is_missing_in_all(runs: int, gravity: float) -> None:

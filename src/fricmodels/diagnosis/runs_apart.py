@@ -6,7 +6,7 @@ the motion is missing: the runs are not of one drive, payload, temperature or un
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +30,8 @@ _MUCH_LESS = 0.5
 beside a verdict: it names nothing."""
 _MOST = 2
 """Parameters that are told."""
+_ENOUGH = 32
+"""Runs that are fitted at most, spread over all."""
 _DIFFERS = 4.0
 """Standard errors of their difference by which the least and the greatest value of a parameter differ at least."""
 
@@ -42,12 +44,14 @@ class _Run:
         name: as its file is called, or its number.
         found: what was fitted to it; ``None`` where that could not be.
         together, apart: squared torque errors with the parameters of all, and with its own.
+        torque: squared motor torque.
     """
 
     name: str
     found: Estimate | None
     together: Array
     apart: Array
+    torque: Array
 
 
 @once
@@ -56,41 +60,43 @@ def runs_apart(comparison: Comparison) -> RunsApart | None:
     much less than what one set of them leaves.
 
     Each run is fitted from the parameters of all, without what was kept back of it; one that was kept back whole is
-    fitted, too. A run that cannot be fitted by itself counts with what all leave of it.
+    fitted, too. Of very many some are fitted. A run that cannot be fitted by itself counts with what all leave of it.
     """
     drive, values, headline = comparison.drive, comparison.estimate.parameters, comparison.errors.headline
     noise, whole = headline.fit_noise_percent, bool(comparison.test.provenance.get(WHOLE_RUNS))
     parts = [comparison.train, comparison.test] if whole else [comparison.train]
-    count = sum(len(np.unique(part.signal(RUN))) for part in parts)
+    every = [(part, int(number)) for part in parts for number in np.unique(part.signal(RUN))]
+    count = len(every)
     most = max(headline.percent, headline.held_out_percent if whole else 0.0)
     if drive.model.known.fixed or count < 2 or most <= noise / _MUCH_LESS:
         return None
     window = 0.0 if headline is comparison.errors.per_sample else headline.window_ms / 1e3
-    runs = [run for part in parts for run in _fitted(drive, values, part, window)]
-    torque = float(np.sqrt(np.mean(np.concatenate([part.torque for part in parts]) ** 2)))
-    together, apart = (
-        100 * float(np.sqrt(np.mean(np.concatenate(squares)))) / torque
-        for squares in ([run.together for run in runs], [run.apart for run in runs])
+    chosen = np.unique(np.linspace(0, count - 1, min(count, _ENOUGH)).round().astype(int)).tolist()
+    spread = each("fitting each run by itself", [every[place] for place in chosen])
+    runs = [_fitted(drive, values, part, number, window) for part, number in spread]
+    together, apart, torque = (
+        float(np.sqrt(np.mean(np.concatenate([getattr(run, of) for run in runs]))))
+        for of in ("together", "apart", "torque")
     )
+    together, apart = 100 * together / torque, 100 * apart / torque
     if apart**2 - noise**2 > _MUCH_LESS**2 * (together**2 - noise**2):
         return None
     units = {drive.inertia_key: INERTIA.unit(drive.motion), **drive.units}
-    return RunsApart(runs=count, together_percent=together, percent=apart, parameters=_differing(runs, units))
+    return RunsApart(
+        runs=count, fitted=len(runs), together_percent=together, percent=apart, parameters=_differing(runs, units)
+    )
 
 
-def _fitted(drive: Drive, values: Mapping[str, float], part: Recording, window: float) -> Iterator[_Run]:
-    """Yield the runs of a recording, each fitted by itself."""
-    number, names = part.signal(RUN), part.provenance.get("runs", {})
-    for one in each("fitting each run by itself", np.unique(number).astype(int).tolist()):
-        run = part.select(number == one)
-        own, name = Drive(drive.model.on(run), drive.inertia, drive.motion), str(names.get(one, f"run {one}"))
-        together = torque_error_over(drive, values, zeroed(drive, values, run), window) ** 2
-        try:
-            _, found = estimate(own, run, values)
-        except InputError:
-            yield _Run(name, None, together, together)
-            continue
-        yield _Run(name, found, together, torque_error_over(own, found.parameters, run, window) ** 2)
+def _fitted(drive: Drive, values: Mapping[str, float], part: Recording, number: int, window: float) -> _Run:
+    """Fit a run of a recording by itself."""
+    run, known = part.select(part.signal(RUN) == number), part.provenance.get("runs", {})
+    own, name = Drive(drive.model.on(run), drive.inertia, drive.motion), str(known.get(number, f"run {number}"))
+    together = torque_error_over(drive, values, zeroed(drive, values, run), window) ** 2
+    try:
+        _, found = estimate(own, run, values)
+    except InputError:
+        return _Run(name, None, together, together, run.torque**2)
+    return _Run(name, found, together, torque_error_over(own, found.parameters, run, window) ** 2, run.torque**2)
 
 
 def _differing(runs: list[_Run], units: Mapping[str, str]) -> tuple[OfRuns, ...]:

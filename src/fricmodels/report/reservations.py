@@ -62,8 +62,9 @@ def _of_runs_apart(data: ComparisonDocument) -> str:
         f"{' ' if one.unit else ''}{one.unit} in {one.greatest_run}"
         for one in apart.parameters
     )
+    which = "they" if apart.fitted == apart.runs else f"{apart.fitted} of them"
     return (
-        f" The {apart.runs} runs are not alike: fitted each by itself they leave {percent(apart.percent)}, together "
+        f" The {apart.runs} runs are not alike: fitted each by itself {which} leave {percent(apart.percent)}, together "
         f"{percent(apart.together_percent)}{': ' if differ else ''}{differ}. Are they of one drive, one load, one "
         "temperature, one unit?"
     )

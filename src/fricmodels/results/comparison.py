@@ -196,6 +196,8 @@ class RunsApart(Part):
 
     runs: int
     """How many there are."""
+    fitted: int
+    """How many of them were fitted, spread over all."""
     together_percent: Number
     """Error of what was fitted, and of whole runs kept back, with the parameters of all [% of the RMS torque]."""
     percent: Number
