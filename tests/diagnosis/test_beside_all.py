@@ -31,7 +31,9 @@ def bent(made: Made, size: float, offset: float, seed: int = 0) -> Diagnosis:
     return diagnose(recording.with_channels(derived=False, torque=torque), "coulomb-viscous", INERTIA)
 
 
-@pytest.mark.parametrize(("times", "keeps"), [(1.0, True), (0.12, True), (3.0, True), (0.08, False), (-1.0, False)])
+@pytest.mark.parametrize(
+    ("times", "keeps"), [(1.0, True), (0.12, True), (3.0, True), (0.08, False), (-0.08, False), (-0.6, True)]
+)
 def test_an_effect_that_is_there_has_some_of_its_size_beside_a_description(
     monkeypatch: pytest.MonkeyPatch, times: float, keeps: bool
 ) -> None:
@@ -54,6 +56,12 @@ def test_an_offset_beside_a_torque_of_the_size_of_the_acceleration_is_there(made
     assert all({"torque-offset", "asymmetry"} & set(found.names) for found in diagnosis.findings)
     assert diagnosis.view is not None
     assert diagnosis.view.channels == "acceleration"
+
+
+def test_an_offset_whose_sign_the_other_cause_turns_is_there(made: Made) -> None:
+    """By itself it is the mean of both, which is positive; beside the acceleration's channel it is what it is."""
+    diagnosis = bent(made, 0.2, -0.6)
+    assert [set(found.names) & {"torque-offset", "asymmetry"} for found in diagnosis.findings] != []
 
 
 @pytest.mark.long

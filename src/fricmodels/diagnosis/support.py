@@ -223,14 +223,15 @@ def _beside_all(
 def _keeps_its_size(result: CandidateTests, own: Gain, described: Gain, beside: Array) -> bool:
     """Whether an effect has some of the size beside a description that it has beside the other effects alone.
 
-    A cause that is not described gives an effect that is there another size. What only imitates that cause has the size
-    of the imitation, and next to none beside a description of it: what it then explains is what the description leaves
-    of its own form. The size is what it is along its own torque, without what the base model and the other effects,
-    shape (k, rows), could be.
+    A cause that is not described gives an effect that is there another size, and where it is the larger one the other
+    sign: an offset beside a torque of |acceleration| is positive by itself and negative beside that. What only imitates
+    that cause has the size of the imitation, and next to none beside a description of it, of either sign: what it then
+    explains is what the description leaves of its own form. The size is what it is along its own torque, without what
+    the base model and the other effects, shape (k, rows), could be.
     """
     alone = regression_of(result.problem, result.parameters, beside)
     before, after = alone.project_out(np.stack([own.torque, described.torque]))
-    return float(after @ before) >= result.policy.own_size * float(before @ before)
+    return abs(float(after @ before)) >= result.policy.own_size * float(before @ before)
 
 
 def _lies_within(result: CandidateTests, member: Member, beside: Array, parts: Array) -> bool:

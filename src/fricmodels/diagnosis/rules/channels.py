@@ -25,7 +25,7 @@ class ChannelRules(Rules):
     own_size: float = rule(
         0.1,
         "share of its size without the description",
-        "And if it has so much of its size there. So has one beside one of two channels in its place.",
+        "And if it has so much of its size there, of either sign. So has one beside one of two channels in its place.",
         "Found on our rig: without it two more of 66 drives with the true effect off the list have a wrong name, with "
         "0.007 and 0.03 of its size. On 200 rough drives those that are there have 0.25 to 1.4, on five.",
         off=-math.inf,
