@@ -9,8 +9,10 @@ from fricmodels.diagnosis import compare
 from fricmodels.diagnosis.document import comparison_document
 from fricmodels.diagnosis.remarks import AT_END, remarks_on
 from fricmodels.dimension import Motion
+from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.report.parameters import undetermined
+from fricmodels.weakform.candidate import within_recording
 
 INERTIA, VISCOUS, COULOMB, RISE = 0.05, 0.12, 0.8, 0.4
 
@@ -31,6 +33,14 @@ def record(lag: float, parts: int = 50) -> Recording:
     sampled = {name: values[::parts].copy() for name, values in channels.items()}
     sampled["torque"] += 0.002 * rng.standard_normal(6000)
     return Recording("late", Motion.ROTARY, sampled, np.zeros(6000, dtype=np.int64))
+
+
+@pytest.mark.parametrize(("lower", "upper"), [(0.0, 1e-9), (1e6, 2e6), (1.0, 1.0)])
+def test_bounds_that_are_declared_beyond_what_a_recording_tells_stay(lower: float, upper: float) -> None:
+    problem = compare(record(0.03), "coulomb-viscous", INERTIA).problem
+    declared = Parameter("w", unit="rad/s", lower=lower, upper=upper, initial=upper, scan=(0.1, 0.3))
+    found = within_recording(problem, declared)
+    assert (found.lower, found.upper) == (lower, upper)
 
 
 @pytest.mark.parametrize(("lag", "told"), [(0.03, True), (0.007, False)])

@@ -60,7 +60,8 @@ def remarks_on(comparison: Comparison) -> dict[str, str]:
     )
     if comparison.drive.model.known.fixed:
         return said
-    sought = [p for p in comparison.drive.model.nonlinear_parameters if p.declared.scan and p.key not in said]
+    every = [p for p in comparison.drive.model.nonlinear_parameters if p.key not in said]
+    sought = [p for p in every if p.declared.scan and not p.declared.constant]
     ends = {p.key: within_recording(comparison.problem, p.declared) for p in sought}
     return said | {key: AT_END for key, sizes in ends.items() if is_at_end(sizes, found.parameters[key])}
 

@@ -149,4 +149,6 @@ def within_recording(problem: WeakFormProblem, parameter: Parameter) -> Paramete
         lower, upper = max(lower, least), min(upper, size * _FARTHEST * max(scan))
     if dimension == DISPLACEMENT:
         upper = min(upper, size)
+    if lower > upper:  # declared where the recording tells nothing
+        return parameter
     return replace(parameter, initial=min(max(parameter.initial, lower), upper), lower=lower, upper=upper)
