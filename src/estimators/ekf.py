@@ -10,6 +10,7 @@ from pydantic import Field
 
 from fricmodels.arrays import Array
 from fricmodels.drive import Drive
+from fricmodels.errors import InputError
 from fricmodels.estimator import OnlineFilter, SequentialEstimator, usable
 from fricmodels.filtering import FilterProblem, KalmanEstimator, KalmanSettings, ProblemOnline, Trajectory, transition
 from fricmodels.filtering.kalman import kalman_step
@@ -44,7 +45,13 @@ class ExtendedKalman(KalmanEstimator, SequentialEstimator):
         return problem.run_stepwise(recording, _filterpy(problem))
 
     def start(self, drive: Drive, recording: Recording) -> OnlineFilter:
-        """Return the filter before its first sample; it runs compiled whatever the engine."""
+        """Return the filter before its first sample; it runs compiled whatever the engine, and takes velocities.
+
+        Raises:
+            InputError: where the settings say that positions are measured.
+        """
+        if self.settings.measured == "position":
+            raise InputError("a filter beside a drive takes velocities; leave the setting 'measured' out")
         return ProblemOnline(self.problem(drive, usable(drive, recording)), self.name)
 
     def resume(self, state: Mapping[str, Any]) -> OnlineFilter:

@@ -9,7 +9,7 @@ from estimators.ekf import ExtendedKalman
 from fricmodels.arrays import Array
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
-from fricmodels.errors import EstimationError
+from fricmodels.errors import EstimationError, InputError
 from fricmodels.estimator import Estimator
 from fricmodels.model import Model
 from fricmodels.plugins import load
@@ -105,6 +105,11 @@ def test_a_filter_that_does_not_say_that_it_filters_positions_gets_velocities() 
     assert "velocity" in Older().fit(DRIVE, recording).provenance["noise"]
     with pytest.raises(EstimationError, match="'older-filter' does not filter positions"):
         Older({"measured": "position"}).fit(DRIVE, recording)
+
+
+def test_a_filter_beside_a_drive_takes_velocities() -> None:
+    with pytest.raises(InputError, match="takes velocities"):
+        ExtendedKalman({"measured": "position"}).start(DRIVE, record(0))
 
 
 @pytest.mark.parametrize("held", [False, True])

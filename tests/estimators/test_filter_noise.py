@@ -44,7 +44,7 @@ def with_noise(kind: str, seed: int) -> Recording:
     return Recording(kind, Motion.ROTARY, channels, clean.run)
 
 
-@pytest.mark.parametrize(("kind", "within"), [("white", 0.02), ("coloured", 0.05), ("rounded", 0.1)])
+@pytest.mark.parametrize(("kind", "within"), [("white", 0.005), ("coloured", 0.01), ("rounded", 0.004)])
 def test_friction_is_found_whatever_the_colour_of_the_noise(kind: str, within: float) -> None:
     for seed in range(3):
         fit = ExtendedKalman().fit(DRIVE, with_noise(kind, seed))

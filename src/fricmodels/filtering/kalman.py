@@ -139,7 +139,7 @@ class KalmanEstimator(Estimator):
         start = np.where(linear, np.clip(start, -largest, largest), start)
         lower = np.maximum(lower, start - _FARTHEST * deviation)
         upper = np.minimum(upper, start + _FARTHEST * deviation)
-        noise, begins = self._noise(recording, scales, by_position=by_position)
+        noise, begins = self._measurement_noise(recording, scales, by_position=by_position)
         memory = [state.initial / scales.of(state.dimension) for state in drive.model.states]
         problem = FilterProblem(
             drive=drive,
@@ -166,7 +166,9 @@ class KalmanEstimator(Estimator):
         held, likelier = self._calibrated(replace(found, hold="held"), recording)
         return held if likelier > score + _INDISTINCT else straight
 
-    def _noise(self, recording: Recording, scales: Scales, *, by_position: bool) -> tuple[float, list[float]]:
+    def _measurement_noise(
+        self, recording: Recording, scales: Scales, *, by_position: bool
+    ) -> tuple[float, list[float]]:
         """Return the deviation of what is measured, and the variances of velocity and position where a run begins."""
         if not by_position:
             noise = (self.settings.velocity_noise or velocity_noise(recording)) / scales.of(VELOCITY)
@@ -259,10 +261,10 @@ def kalman_step(space: NormalisedSpace, drive: Drive) -> Any:
 
     .. math::
         \hat x^- = f(\hat x, u),\; P^- = F P F^T + W\Delta t;\quad
-        K = P^- H / (H^T P^- H + R),\; \hat x = \hat x^- + K (y - \hat x^-_1),\; P = P^- - K (H^T P^- H + R) K^T
+        K = P^- H / (H^T P^- H + R),\; \hat x = \hat x^- + K (y - H^T \hat x^-),\; P = P^- - K (H^T P^- H + R) K^T
 
-    with H = [1, 0, …, 0]ᵀ, the measured velocity, or 1 at the position; the update is left out where the weight of the
-    row is zero.
+    H is 1 at what is measured, the velocity or the position, and 0 elsewhere. The update is left out where the weight
+    of the row is zero.
 
     State: ``[x; lower triangle of P]``. Input: ``[Δt, weight, y, u…]``.
     Constants: those of :attr:`FilterProblem.constants`.

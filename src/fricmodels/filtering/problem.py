@@ -160,7 +160,8 @@ class FilterProblem:
         return rows
 
     def _measured(self, run: Recording) -> Array:
-        return run["position"] - run["position"][0] if self.measured else run.velocity
+        by_position = self.measured > 0  # the velocity comes first
+        return run["position"] - run["position"][0] if by_position else run.velocity
 
     def run(self, recording: Recording) -> Trajectory:
         """Filter a recording in SI units with the compiled step."""
